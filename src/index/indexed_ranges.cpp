@@ -140,8 +140,9 @@ IndexedRanges indexedRanges(VolumeSource& source, const IndexPlaces& places, int
                             uint64_t memory_bytes, const StopToken& stop, VoxelTaker* taker) {
   const IndexKey key = keyOf(source, time, layout);
   const auto plan = [&] {
+    const int each = pool.threads() > 1 ? source.passReads().threads_each : 1;
     return planFirstPass(source, time, layout, memory_bytes,
-                         std::max(pool.threads(), source.distantReads()));
+                         std::max(each * pool.threads(), source.distantReads()));
   };
   std::optional<WorkerPool> other;
   const auto threadsOf = [&](const FirstPass& pass) -> WorkerPool& {

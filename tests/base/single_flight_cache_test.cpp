@@ -54,6 +54,37 @@ TEST(SingleFlightCache, oneThreadLoadsAndTheOthersWait) {
   EXPECT_THAT(c.brokenIdentity(), IsEmpty());
 }
 
+TEST(SingleFlightCache, aThreadMayLeaveWhatAnotherOneLoads) {
+  Cache cache(100, Held::kStays);
+  std::promise<void> begun, go_on;
+  auto first = std::async(std::launch::async, [&] {
+    return cache.get(1, kBytes, [&] {
+      begun.set_value();
+      go_on.get_future().wait();
+      return Cache::Loaded{std::make_shared<int>(1), kBytes};
+    });
+  });
+  begun.get_future().wait();
+  const auto leave = [&](int key) {
+    return cache.get(
+        key, kBytes,
+        [&] {
+          return Cache::Loaded{std::make_shared<int>(key), kBytes};
+        },
+        IfLoading::kLeave);
+  };
+  EXPECT_EQ(leave(1), nullptr);
+  EXPECT_EQ(*leave(2), 2) << "nobody loads it";
+  go_on.set_value();
+  first.get();
+  EXPECT_EQ(*leave(1), 1);
+  const CacheCounters c = cache.counters();
+  EXPECT_EQ(c.requests, 3U);
+  EXPECT_EQ(c.hits, 1U);
+  EXPECT_EQ(c.coalesced, 0U);
+  EXPECT_THAT(c.brokenIdentity(), IsEmpty());
+}
+
 // A run that goes on for ever does not grow: only the last keys are known again.
 TEST(SingleFlightCache, remembersAsManyKeysAsItIsToldAtLeast) {
   constexpr int kRemembered = 8;

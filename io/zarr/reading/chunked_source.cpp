@@ -294,6 +294,24 @@ void ChunkedSource::holdAtMost(uint64_t bytes) {
   cache_->setBudget(bytes - each * indexed.size());
 }
 
+PassReads ChunkedSource::passReads() const {
+  const ZarrArray& array = array_->array();
+  if (array.codec != ZarrCodec::kNone || distantReads() > 0) return {};
+  // A layer of blocks begins in the last chunks of the layer before. Other axes, and blocks that
+  // are thicker than usual, only mean that some chunks are read twice.
+  constexpr int64_t kPlanes = 2 * 64;
+  const Vec3i step = chunkVoxels(), dims = view_.layout.dims;
+  const int64_t layers = std::min(ceilDiv(kPlanes, step.z) + 1, ceilDiv(dims.z, step.z));
+  const auto chunks = static_cast<double>(ceilDiv(dims.x, step.x)) *
+                      static_cast<double>(ceilDiv(dims.y, step.y)) * static_cast<double>(layers);
+  constexpr double kMost = 0x1p62;
+  const double bytes = std::min(chunks * static_cast<double>(array.chunkBytes()), kMost);
+  // On a disk that reads 0.9 GB/s, two cores: 1 thread each reads cold chunks of 256 KiB at 0.70 of
+  // the speed of one large file, 2 at 0.84, 4 at 0.92.
+  constexpr int kThreadsEach = 4;
+  return {static_cast<uint64_t>(bytes), kThreadsEach};
+}
+
 std::vector<std::string> ChunkedSource::files() {
   return places_;
 }
@@ -358,10 +376,19 @@ void ChunkedSource::readRegion(int64_t time, const Box3& box, std::span<std::byt
   SLUICE_CHECK(!box.empty() && boxOf(layout.dims).contains(box));
   SLUICE_CHECK(time >= 0 && time < layout.time_steps);
   SLUICE_CHECK_EQ(static_cast<int64_t>(out.size()), box.count() * voxel);
+  const auto partAt = [&](Vec3i corner) {
+    return intersect(box, {corner, corner + chunkVoxels()});
+  };
+  // Neighbouring regions share chunks. A thread that waited for each that another one is decoding
+  // would follow that one through all of them, and only one chunk would be read at a time.
+  std::vector<std::pair<Vec3i, int64_t>> others_load;
   eachChunk(time, box, [&](Vec3i corner, int64_t number) {
-    const Box3 part = intersect(box, {corner, corner + chunkVoxels()});
+    const Box3 part = partAt(corner);
     if (array_->exists(number)) {
-      copyChunk(cache_->get({array_number_, number})->span(), time, part, box, out);
+      if (const auto chunk = cache_->get({array_number_, number}, IfLoading::kLeave))
+        copyChunk(chunk->span(), time, part, box, out);
+      else
+        others_load.emplace_back(corner, number);
       return;
     }
     const Vec3i at = part.lo - box.lo;
@@ -370,6 +397,8 @@ void ChunkedSource::readRegion(int64_t time, const Box3& box, std::span<std::byt
         fillRow(fill_, out.data() + ((pz * box.size().y + py) * box.size().x + at.x) * voxel,
                 part.size().x);
   });
+  for (const auto& [corner, number] : others_load)
+    copyChunk(cache_->get({array_number_, number})->span(), time, partAt(corner), box, out);
 }
 
 std::optional<Occupancy> ChunkedSource::occupancy(int64_t time) {

@@ -72,6 +72,8 @@ class ChunkedSource : public VolumeSource,
   uint64_t heldBytesAThread() const override;
   // Limits the whole image, with its levels. Does nothing on a level of an image.
   void holdAtMost(uint64_t bytes) override;
+  // For chunks that are stored as they are, in files of this machine: a pass waits for files then.
+  PassReads passReads() const override;
 
   // Bytes of decoded chunks and of those being decoded, of all levels, without indices of shards,
   // now and at most so far.

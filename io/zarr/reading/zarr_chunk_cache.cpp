@@ -66,12 +66,12 @@ void ZarrChunkCache::setBudget(uint64_t budget_bytes) {
   chunks_.setBudget(budget_bytes);
 }
 
-ZarrChunkCache::Chunk ZarrChunkCache::get(const Key& key) {
+ZarrChunkCache::Chunk ZarrChunkCache::get(const Key& key, IfLoading if_loading) {
   const Array& array = arrays_[static_cast<size_t>(key.array)];
-  // A decoder holds its input too.
-  return chunks_.get(key, 2 * array.counted_bytes, [&] {
+  const auto load = [&] {
     return Chunks::Loaded{array.decode(key.chunk, memory_), array.counted_bytes};
-  });
+  };
+  return chunks_.get(key, 2 * array.counted_bytes, load, if_loading);  // a decoder holds its input
 }
 
 }  // namespace sluice

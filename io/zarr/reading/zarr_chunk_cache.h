@@ -90,7 +90,8 @@ class ZarrChunkCache {
   int addArray(uint64_t chunk_bytes, Decode decode);
   // The chunk stays as long as the result does. A failure of the array's `decode` is thrown to
   // every thread that waited; the next call tries again.
-  Chunk get(const Key& key);
+  // With kLeave, null is returned if another thread is decoding the chunk.
+  Chunk get(const Key& key, IfLoading if_loading = IfLoading::kWait);
   CacheCounters counters() const { return chunks_.counters(); }
 
   void setBudget(uint64_t budget_bytes);

@@ -37,6 +37,9 @@ struct NoNote {};
 // then belongs to the holder alone.
 enum class Held { kStays, kMayLeave };
 
+// Whether a thread waits for the load of another one, or leaves without the value.
+enum class IfLoading { kWait, kLeave };
+
 template <class Key, class T, class Hash = std::hash<Key>, class Note = NoNote>
 class SingleFlightCache {
  public:
@@ -77,9 +80,11 @@ class SingleFlightCache {
   };
   // The value of `key`. If it is neither resident nor being loaded, load() makes it (a Loaded) on
   // this thread and without the lock, while `bytes` of the budget are set aside. The budget is
-  // exceeded if nothing can be evicted. Every thread that waited gets what load() throws.
+  // exceeded if nothing can be evicted. Every thread that waited gets what load() throws. With
+  // kLeave, null is returned and nothing counted if another thread is loading it.
   template <class Load>
-  Value get(const Key& key, uint64_t bytes, Load&& load) SLUICE_EXCLUDES(mutex);
+  Value get(const Key& key, uint64_t bytes, Load&& load, IfLoading if_loading = IfLoading::kWait)
+      SLUICE_EXCLUDES(mutex);
 
   // The steps of get(), for owners that take them themselves.
 
@@ -172,9 +177,13 @@ class SingleFlightCache {
 
 template <class Key, class T, class Hash, class Note>
 template <class Load>
-auto SingleFlightCache<Key, T, Hash, Note>::get(const Key& key, uint64_t bytes, Load&& load)
-    -> Value {
+auto SingleFlightCache<Key, T, Hash, Note>::get(const Key& key, uint64_t bytes, Load&& load,
+                                                IfLoading if_loading) -> Value {
   MutexLock lock(mutex);
+  if (if_loading == IfLoading::kLeave) {
+    const EntryPtr entry = find(key);
+    if (entry != nullptr && entry->state == Entry::State::kLoading) return nullptr;
+  }
   if (const EntryPtr entry = join(key)) return take(lock, entry);
   makeRoom(bytes);
   const EntryPtr entry = publish(key, bytes);

@@ -45,6 +45,7 @@ class ForwardingSource : public VolumeSource,
   uint64_t storedBytesRead() const override { return source_->storedBytesRead(); }
   uint64_t heldBytesAThread() const override { return source_->heldBytesAThread(); }
   void holdAtMost(uint64_t bytes) override { source_->holdAtMost(bytes); }
+  PassReads passReads() const override { return source_->passReads(); }
   int distantReads() const override { return source_->distantReads(); }
   std::vector<std::string> files() override { return source_->files(); }
   std::optional<StoredReads> storedReads(int64_t time, std::span<const LevelBox> boxes,

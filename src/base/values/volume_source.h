@@ -68,6 +68,16 @@ struct RegionRead {
   std::span<std::byte> out;
 };
 
+// How a pass over all voxels reads a source fastest.
+struct PassReads {
+  // The most decoded bytes that are kept, if more only take time: fresh memory for a copy of what
+  // the system has in memory anyway.
+  uint64_t most_bytes = UINT64_MAX;
+  // Threads for each of the pool's, unless it has one: more if threads wait for files most of the
+  // time.
+  int threads_each = 1;
+};
+
 class VolumeSource {
  public:
   virtual ~VolumeSource() = default;
@@ -105,6 +115,8 @@ class VolumeSource {
   // From now on decoded chunks take at most these bytes, or the least that the threads inside
   // readRegion need, whichever is more.
   virtual void holdAtMost(uint64_t /*bytes*/) {}
+  // How a pass over all voxels, layer by layer, should read.
+  virtual PassReads passReads() const { return {}; }
 
   // How many reads should wait at once for a source that answers late, such as a web server; 0: it
   // is near.

@@ -13,7 +13,7 @@ IndexedRanges passedRanges(const IndexedVolume& volume, int64_t time, const Inde
                            const SideLevels* side) {
   const uint64_t bytes = pass.memory_bytes - (side == nullptr ? 0 : side->heldBytes());
   // The first opening reads everything, and nothing else is in memory then.
-  volume.source->holdAtMost(bytes / 4);
+  volume.source->holdAtMost(std::min(bytes / 4, volume.source->passReads().most_bytes));
   return indexedRanges(*volume.source, volume.places, time, volume.layout, pass.pool, pass.progress,
                        bytes, pass.stop, side == nullptr ? nullptr : side->taker());
 }

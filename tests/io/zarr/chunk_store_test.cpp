@@ -3,7 +3,11 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <atomic>
+#include <chrono>
 #include <cstring>
+#include <future>
+#include <thread>
 #include <vector>
 
 #include "io/stores/folder_store.h"
@@ -57,6 +61,32 @@ TEST_F(ZarrInAStore, isAskedOnceForWhatIsNotThere) {
       EXPECT_TRUE(map->has(key) || is_header || reads == 1) << key << " " << reads;
     }
   }
+}
+
+// Neighbouring blocks share chunks: if threads waited for one another, they would read one by one.
+TEST_F(ZarrInAStore, aThreadReadsTheOtherChunksWhileOneIsBeingRead) {
+  const auto map = mapOf("plain_uint8");
+  ZarrSource source(StorePlace{map, ""});
+  const size_t others = map->pieces.size() - 2;  // without the metadata
+  ASSERT_GT(others, 3U);
+  std::atomic<size_t> others_read{0};
+  std::promise<void> begun;
+  map->before_read = [&](const std::string& key) {
+    if (key != "c/0/0/0") {
+      ++others_read;
+      return;
+    }
+    begun.set_value();
+    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+    while (others_read < others && std::chrono::steady_clock::now() < end)
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    EXPECT_EQ(others_read, others) << "while c/0/0/0 was being read";
+  };
+  auto first = std::async(std::launch::async, [&] { return allSteps(source); });
+  begun.get_future().wait();
+  EXPECT_TRUE(allSteps(source) == voxelsOf("plain_uint8"));
+  EXPECT_TRUE(first.get() == voxelsOf("plain_uint8"));
+  for (const auto& [key, reads] : map->reads) EXPECT_TRUE(reads == 1 || key == "zarr.json") << key;
 }
 
 TEST_F(ZarrInAStore, hasItsLevelsAndAnErrorForAPieceThatChanges) {

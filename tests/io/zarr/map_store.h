@@ -4,6 +4,7 @@
 
 #include <cstring>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <mutex>
 #include <string>
@@ -32,6 +33,7 @@ class MapStore final : public ChunkStore {
       const std::lock_guard lock(mutex_);
       ++reads[key];
     }
+    if (before_read) before_read(key);
     const auto found = pieces.find(key);
     if (found == pieces.end()) return false;
     const std::string& piece = found->second;
@@ -55,6 +57,7 @@ class MapStore final : public ChunkStore {
   // What was read of each, in its order: from its start or its end, and how many bytes.
   std::map<std::string, std::vector<std::pair<PieceBytes::From, uint64_t>>> parts;
   bool has_changed = false;
+  std::function<void(const std::string& key)> before_read;
 
  private:
   std::mutex mutex_;
