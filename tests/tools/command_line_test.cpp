@@ -269,6 +269,9 @@ TEST(CommandLine, aNearMissIsAnsweredWithTheRightWord) {
       {"render --size", "expected WxH after it"},
       {"render --size=", "expected WxH after the '='"},
       {"render --shadows=", "--shadows: expected a value after the '='"},
+      {"render --force=x", "--force: expected no value, found 'x'"},
+      {"render --labels=3", "--labels: expected no value, found '3'"},
+      {"render --no-shade=false", "--no-shade: expected no value, found 'false'"},
       {"render --size 4 --size 5", "--size is given twice"},
       {"render -s 4 --size 5", "--size is given twice"},
       {"render -x", "no option -x"}};

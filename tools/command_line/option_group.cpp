@@ -43,7 +43,8 @@ CLI::Option* OptionGroup::offering(CLI::Option* option, const std::vector<std::s
 }
 
 CLI::Option* OptionGroup::flag(const std::string& names, bool& on, const std::string& help) const {
-  return app_.add_flag(names, on, help)->group(heading_);
+  // A value is refused in usage.cpp, by the word that was given.
+  return app_.add_flag(names, on, help)->disable_flag_override()->group(heading_);
 }
 
 CLI::Option* OptionGroup::numbers(const std::string& names, const std::string& what, size_t count,

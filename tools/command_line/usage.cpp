@@ -113,6 +113,8 @@ class Walk {
     const std::string name = word.substr(0, equals);
     const CLI::Option* option = app_->get_option_no_throw(name);
     if (option == nullptr) return unknownOption(program_, *app_, name);
+    if (equals != std::string::npos && option->get_disable_flag_override())
+      return fmt::format("{}: expected no value, found '{}'", name, word.substr(equals + 1));
     if (equals + 1 == word.size())
       return fmt::format("{}: expected {} after the '='", name,
                          option->get_expected_max() == 0 ? "a value" : option->get_type_name());
