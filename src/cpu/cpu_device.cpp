@@ -103,7 +103,8 @@ void CpuDevice::beginFrame(const FrameSetup& setup, const StopToken& stop) {
   stop_ = stop;
   taken_ = 0;
   if (!look_up_ || look_up_->key != lookUpKey(setup_)) look_up_.emplace(lookUpKey(setup_));
-  tables_.emplace(setup_, *look_up_);
+  if (setup_.lit) light_squares_.take(setup_.light, pool_);
+  tables_.emplace(setup_, *look_up_, setup_.lit ? light_squares_.texels() : nullptr);
   leaps_ = setup_.skips && traitsOf(setup_.mode).hides;
   if (leaps_ && shown_for_ != setup_.look_up) {
     ShownValues shown = shownValues(*setup_.look_up);

@@ -21,6 +21,7 @@
 #include "src/base/threads/worker_pool.h"
 #include "src/cpu/kernel_frame.h"
 #include "src/cpu/leap_grid.h"
+#include "src/cpu/light_squares.h"
 #include "src/cpu/simd_target.h"
 #include "src/cpu/tile_bins.h"
 #include "src/cpu/tile_parts.h"
@@ -92,6 +93,7 @@ class CpuDevice : public Device, public DrawsRows {
   std::unordered_map<const ChunkTexels*, Evicted> evicted_;
   FrameSetup setup_;
   std::optional<LookUpTables> look_up_;  // for the last frame
+  LightSquares light_squares_;           // for the last frame that was lit
   std::optional<FrameTables> tables_;    // for the current frame
   bool leaps_ = false;                   // the frame does
   ShownValues shown_;                    // for the last frame with leaps

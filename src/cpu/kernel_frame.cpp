@@ -26,7 +26,8 @@ LookUpTables::LookUpTables(LookUpKey of)
     packed = packedEntries(entries, kMostExponent);
 }
 
-FrameTables::FrameTables(const FrameSetup& setup, const LookUpTables& look_up) {
+FrameTables::FrameTables(const FrameSetup& setup, const LookUpTables& look_up,
+                         const uint64_t* light_squares) {
   const ModeTraits& traits = traitsOf(setup.mode);
   const bool colors = traits.has_colors;
   frame_.width = setup.size.width;
@@ -53,7 +54,7 @@ FrameTables::FrameTables(const FrameSetup& setup, const LookUpTables& look_up) {
       static_cast<float>(window_lo == window_hi ? 0 : 1 / (window_hi - window_lo));
   frame_.attenuation = static_cast<float>(setup.attenuation * setup.slice_length);
   if (setup.has_surfaces) setSurfaces(*setup.look_up);
-  setLights(setup);
+  setLights(setup, light_squares);
   if (colors) setRows(setup);
 }
 
@@ -144,7 +145,7 @@ void FrameTables::setSurfaces(const LookUp& look_up) {
   frame_.has_opacities = showsOpacities(look_up);
 }
 
-void FrameTables::setLights(const FrameSetup& setup) {
+void FrameTables::setLights(const FrameSetup& setup, const uint64_t* light_squares) {
   const Lighting& lighting = setup.lighting;
   for (size_t i = 0; i < lighting.lights.size(); ++i) {
     const Light& light = lighting.lights[i];
@@ -159,13 +160,17 @@ void FrameTables::setLights(const FrameSetup& setup) {
   frame_.key_share = static_cast<float>(lighting.keyShare());
   if (!frame_.lit || setup.light == nullptr) return;
   const Vec3i texels = setup.light->dims;
-  constexpr int64_t kTexelBytes = 2 * sizeof(uint16_t);
-  frame_.light = reinterpret_cast<const std::byte*>(setup.light->texels.data());
+  const auto texel_bytes =
+      static_cast<int64_t>(light_squares != nullptr ? sizeof(uint64_t) : 2 * sizeof(uint16_t));
+  frame_.light = light_squares != nullptr
+                     ? reinterpret_cast<const std::byte*>(light_squares)
+                     : reinterpret_cast<const std::byte*>(setup.light->texels.data());
+  frame_.light_in_squares = light_squares != nullptr;
   frame_.key_light_varies = setup.light->key_varies;
   frame_.other_light_varies = setup.light->other_varies;
   frame_.light_hi = asFloats(toDouble(texels - Vec3i{1, 1, 1}));
   frame_.light_last = asFloats(toDouble(texels - Vec3i{2, 2, 2}));
-  frame_.light_stride = asFloats(toDouble(Vec3i{1, texels.x, texels.x * texels.y} * kTexelBytes));
+  frame_.light_stride = asFloats(toDouble(Vec3i{1, texels.x, texels.x * texels.y} * texel_bytes));
 }
 
 void FrameTables::setRows(const FrameSetup& setup) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <vector>
 
 #include "src/cpu/kernel_values.h"
@@ -25,8 +26,10 @@ struct LookUpTables {
 
 class FrameTables {
  public:
-  // `look_up`, the setup's, must outlive it.
-  FrameTables(const FrameSetup& setup, const LookUpTables& look_up);
+  // `look_up` and `light_squares` (light_squares.h; null if there are none), the setup's, must
+  // outlive it.
+  FrameTables(const FrameSetup& setup, const LookUpTables& look_up,
+              const uint64_t* light_squares = nullptr);
   FrameTables(const FrameTables&) = delete;
   FrameTables& operator=(const FrameTables&) = delete;
 
@@ -36,7 +39,7 @@ class FrameTables {
   void setRays(const FrameSetup& setup);
   void setLookUp(const LookUpTables& tables);
   void setSurfaces(const LookUp& look_up);
-  void setLights(const FrameSetup& setup);
+  void setLights(const FrameSetup& setup, const uint64_t* light_squares);
   void setRows(const FrameSetup& setup);
 
   KernelFrame frame_;

@@ -85,8 +85,9 @@ struct KernelFrame {
   float ambient = 0, flat = 0, shininess = 0;
   int whole_shininess = 0;  // the same if it is a small whole number, else 0
   // FrameSetup::light: its texels, the last and the last but one along each axis, and strides in
-  // bytes; null: all light arrives.
+  // bytes; null: all light arrives. In squares, see light_squares.h, it has no key light.
   const std::byte* light = nullptr;
+  bool light_in_squares = false;
   bool key_light_varies = true, other_light_varies = true;  // see LightVolume
   Float3 light_hi{}, light_last{}, light_stride{};
   float key_share = 0;

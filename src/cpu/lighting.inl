@@ -54,6 +54,16 @@ HWY_INLINE Arriving arrivingIn(const KernelFrame& frame, const Place& cell) {
   return {kKey ? hn::Mul(unit, withinRows(key, cell)) : whole,
           kOther ? hn::Mul(unit, withinRows(open, cell)) : whole};
 }
+// The same of light_squares.h.
+HWY_INLINE Arriving arrivingInSquares(const KernelFrame& frame, const Place& cell) {
+  const auto plane = static_cast<int64_t>(frame.light_stride[2]);
+  const Wide near = wideAt(frame.light, cell.offset);
+  const Wide far = wideAt(frame.light + plane, cell.offset);
+  const Pair open[4] = {
+      pairIn<DeviceType::kU16>(near.first), pairIn<DeviceType::kU16>(near.second),
+      pairIn<DeviceType::kU16>(far.first), pairIn<DeviceType::kU16>(far.second)};
+  return {all(1.0F), hn::Mul(all(static_cast<float>(1 / kAllLight)), withinRows(open, cell))};
+}
 // A call of its own, since few frames have a light volume.
 HWY_NOINLINE Arriving arrivingAt(const KernelFrame& frame, const KernelBox& box, V3 at) {
   const auto& [x, y, z] = box.light_axes;
@@ -68,6 +78,7 @@ HWY_NOINLINE Arriving arrivingAt(const KernelFrame& frame, const KernelBox& box,
                      {all(last[0]), all(last[1]), all(last[2])},
                      {all(stride[0]), all(stride[1]), all(stride[2])}};
   const Place cell = placeAt(texels, clamped(texels, place));
+  if (frame.light_in_squares) return arrivingInSquares(frame, cell);
   if (!frame.key_light_varies) return arrivingIn<false, true>(frame, cell);
   if (!frame.other_light_varies) return arrivingIn<true, false>(frame, cell);
   return arrivingIn<true, true>(frame, cell);
