@@ -79,6 +79,22 @@ TEST_F(SurfacesTest, lieAtTheirPlaceWithinWhatOpacitiesShow) {
   }
 }
 
+// Slices are never farther apart than voxels: what a ray enters and leaves between two of them is
+// missed, so that the background shows in spots along the rims of bodies.
+TEST_F(SurfacesTest, aCoarseStepMissesNoMoreThanOneOfAVoxel) {
+  const auto source = spacedBlobs(VoxelType::kU8);
+  const ValueRange range = valueRangeOf(*source);
+  for (const Projection projection : kProjections) {
+    RenderScene scene(device(), *source, surfacesAlone(range, threeSurfaces(range)),
+                      {.block_vox = 16, .lit = true});
+    FrameOptions options = obliqueView(projection, {64, 60});
+    options.step_vox = 1;
+    const FloatPicture fine = scene.draw(options);
+    options.step_vox = 3;
+    EXPECT_EQ(scene.draw(options).rgba, fine.rgba);
+  }
+}
+
 TEST_F(SurfacesTest, depthIsWhereTheRayMeetsThem) {
   const auto source = spacedBlobs(VoxelType::kU8);
   const ValueRange range = valueRangeOf(*source);

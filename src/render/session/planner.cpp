@@ -26,7 +26,7 @@ bool Planner::drawsSurfaces(const TimeStep& step, const Look& look, const FrameO
 }
 
 double Planner::stepForSurfaces(const View& view, const VolumeLayout& layout, double step_vox) {
-  return step_vox * std::min(1.0, 1 / longestStep(view, layout));
+  return std::min({step_vox, step_vox / longestStep(view, layout), kMostSurfaceStep});
 }
 
 VisibleBlocksPtr Planner::visibleBlocks(const TimeStep& step, const LookPtr& look, const View& view,

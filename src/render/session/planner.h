@@ -22,6 +22,9 @@ namespace sluice {
 
 using TransferPtr = std::shared_ptr<const TransferFunction>;
 
+// In units of the finest spacing.
+inline constexpr double kMostSurfaceStep = 1;
+
 class Planner {
  public:
   // `pool` and `names` must outlive it.
@@ -45,7 +48,9 @@ class Planner {
   // Whether a frame draws surfaces: its look has some, and its mode colours. Such a frame draws the
   // finest level alone and does not integrate. Requires: blocks have a ghost layer.
   static bool drawsSurfaces(const TimeStep& step, const Look& look, const FrameOptions& options);
-  // The distance between slices that frames with surfaces have at most, see FrameSetup.
+  // The distance between slices of frames with surfaces: at most a voxel along any axis, see
+  // FrameSetup, and kMostSurfaceStep. Between slices farther apart, rays enter and leave the rims
+  // of bodies unseen, and spots of what lies behind show there.
   static double stepForSurfaces(const View& view, const VolumeLayout& layout, double step_vox);
   // `limit` applies to such a cut alone; null: none.
   VisibleBlocksPtr visibleBlocks(const TimeStep& step, const LookPtr& look, const View& view,
