@@ -108,7 +108,8 @@ const Kernels& kernelsOf(SimdTarget target) {
   for (size_t i = all.size(); i-- > 0;)
     if (works(all[i]) && (target == SimdTarget::kAuto || target == all[i].target))
       return all[i].kernels;
-  failSystem("--simd {}: this processor has no such instructions; give --simd auto", name(target));
+  failSystem("--simd {}: this processor, or this build, has no such instructions; give --simd auto",
+             name(target));
 }
 
 }  // namespace sluice
