@@ -57,11 +57,11 @@ HWY_INLINE Arriving arrivingIn(const KernelFrame& frame, const Place& cell) {
 // The same of light_squares.h.
 HWY_INLINE Arriving arrivingInSquares(const KernelFrame& frame, const Place& cell) {
   const auto plane = static_cast<int64_t>(frame.light_stride[2]);
-  const Wide near = wideAt(frame.light, cell.offset);
-  const Wide far = wideAt(frame.light + plane, cell.offset);
+  Wide square[2];  // one plane after the other
+  wideOfTwo({frame.light, frame.light + plane}, cell.offset, square);
   const Pair open[4] = {
-      pairIn<DeviceType::kU16>(near.first), pairIn<DeviceType::kU16>(near.second),
-      pairIn<DeviceType::kU16>(far.first), pairIn<DeviceType::kU16>(far.second)};
+      pairIn<DeviceType::kU16>(square[0].first), pairIn<DeviceType::kU16>(square[0].second),
+      pairIn<DeviceType::kU16>(square[1].first), pairIn<DeviceType::kU16>(square[1].second)};
   return {all(1.0F), hn::Mul(all(static_cast<float>(1 / kAllLight)), withinRows(open, cell))};
 }
 // A call of its own, since few frames have a light volume.

@@ -67,13 +67,25 @@ HWY_INLINE VI bytesAt(const std::byte* base, VI offset) {
   return joinedLanes(parts);
 }
 // Eight.
+HWY_INLINE Wide wideFrom(const __m128i* parts) {
+  const VI lower = joinedLanes(parts), upper = joinedLanes(parts + kParts);
+  return {hn::ConcatEven(I(), upper, lower), hn::ConcatOdd(I(), upper, lower)};
+}
 HWY_INLINE Wide wideAt(const std::byte* base, VI offset) {
   const LaneOffsets offsets = laneOffsets(offset);
   __m128i parts[2 * kParts];
   for (int part = 0; part < 2 * kParts; ++part)
     parts[part] = twoLanes(base, offsets.of + 2 * part);
-  const VI lower = joinedLanes(parts), upper = joinedLanes(parts + kParts);
-  return {hn::ConcatEven(I(), upper, lower), hn::ConcatOdd(I(), upper, lower)};
+  return wideFrom(parts);
+}
+// Eight of two bases.
+HWY_INLINE void wideOfTwo(const std::byte* const (&base)[2], VI offset, Wide (&wide)[2]) {
+  const LaneOffsets offsets = laneOffsets(offset);
+  __m128i parts[2][2 * kParts];
+  for (int part = 0; part < 2 * kParts; ++part)
+    for (int row = 0; row < 2; ++row)
+      parts[row][part] = twoLanes(base[row], offsets.of + 2 * part);
+  for (int row = 0; row < 2; ++row) wide[row] = wideFrom(parts[row]);
 }
 // Four floats.
 HWY_INLINE Quad quadAt(const std::byte* base, VI offset) {
@@ -109,6 +121,9 @@ HWY_INLINE VI bytesAt(const std::byte* base, VI offset) {
 HWY_INLINE Wide wideAt(const std::byte* base, VI offset) {
   return {hn::GatherOffset(I(), reinterpret_cast<const int32_t*>(base), offset),
           hn::GatherOffset(I(), reinterpret_cast<const int32_t*>(base) + 1, offset)};
+}
+HWY_INLINE void wideOfTwo(const std::byte* const (&base)[2], VI offset, Wide (&wide)[2]) {
+  for (int row = 0; row < 2; ++row) wide[row] = wideAt(base[row], offset);
 }
 HWY_INLINE Quad quadAt(const std::byte* base, VI offset) {
   const auto* floats = reinterpret_cast<const float*>(base);
