@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <deque>
 #include <map>
 #include <utility>
 
@@ -13,6 +14,9 @@
 namespace sluice {
 
 namespace {
+
+// Chunks that a thread leaves to others before it waits for the first of them.
+constexpr size_t kMostLate = 4;
 
 LevelClaim claimOf(const ZarrView& view, const ZarrImage& image, size_t dataset) {
   LevelClaim claim;
@@ -380,15 +384,27 @@ void ChunkedSource::readRegion(int64_t time, const Box3& box, std::span<std::byt
     return intersect(box, {corner, corner + chunkVoxels()});
   };
   // Neighbouring regions share chunks. A thread that waited for each that another one is decoding
-  // would follow that one through all of them, and only one chunk would be read at a time.
-  std::vector<std::pair<Vec3i, int64_t>> others_load;
+  // would follow that one through all of them, and only one chunk would be read at a time. It comes
+  // back soon, before they leave the memory.
+  std::deque<std::pair<Vec3i, int64_t>> late;
+  const auto copyLate = [&](IfLoading if_loading) {
+    const auto [corner, number] = late.front();
+    const auto chunk = cache_->get({array_number_, number}, if_loading);
+    if (chunk == nullptr) return false;
+    copyChunk(chunk->span(), time, partAt(corner), box, out);
+    late.pop_front();
+    return true;
+  };
   eachChunk(time, box, [&](Vec3i corner, int64_t number) {
     const Box3 part = partAt(corner);
     if (array_->exists(number)) {
       if (const auto chunk = cache_->get({array_number_, number}, IfLoading::kLeave))
         copyChunk(chunk->span(), time, part, box, out);
       else
-        others_load.emplace_back(corner, number);
+        late.emplace_back(corner, number);
+      while (late.size() > kMostLate) copyLate(IfLoading::kWait);
+      while (!late.empty() && copyLate(IfLoading::kLeave)) {
+      }
       return;
     }
     const Vec3i at = part.lo - box.lo;
@@ -397,8 +413,7 @@ void ChunkedSource::readRegion(int64_t time, const Box3& box, std::span<std::byt
         fillRow(fill_, out.data() + ((pz * box.size().y + py) * box.size().x + at.x) * voxel,
                 part.size().x);
   });
-  for (const auto& [corner, number] : others_load)
-    copyChunk(cache_->get({array_number_, number})->span(), time, partAt(corner), box, out);
+  while (!late.empty()) copyLate(IfLoading::kWait);
 }
 
 std::optional<Occupancy> ChunkedSource::occupancy(int64_t time) {
