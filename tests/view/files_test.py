@@ -34,7 +34,7 @@ def ask_for_file(window):
     mark = window.mark()
     window.key('ctrl+o')
     window.wait('folder', since=mark)
-    window.do('sleep', 0.3)
+    window.stand_still()
     return window.mark()
 
 
@@ -51,13 +51,13 @@ def dialog(folder):
         # Without a volume it asks for one, from the folder that it was started in.
         line = window.wait('folder')
         assert line['folder'] == os.path.realpath(folder) or line['folder'] == folder, line
-        window.do('sleep', 0.3)
+        window.stand_still()
         mark = window.mark()
         window.do('type', '--delay', 12, 'data')
         window.press('Down', 'Return')
         line = window.wait('folder', since=mark)
         assert line['folder'].endswith('data & more') and line['entries'] == 4, line
-        window.do('sleep', 0.3)
+        window.stand_still()
         window.shot('dialog')
         mark = window.mark()
         window.click('entry step_%03d.nrrd')
@@ -93,14 +93,14 @@ def unreadable(folder):
     inner.mkdir()
     with Display() as display, Window(display, PROGRAM, ['--size', '640x700', '--device', 'cpu'], folder) as window:
         window.wait('folder')
-        window.do('sleep', 0.3)
+        window.stand_still()
         at = window.place('entry goes')
         inner.rmdir()
         mark = window.mark()
         window.do('mousemove', *at, 'sleep', 0.1, 'mousedown', 1, 'sleep', 0.05, 'mouseup', 1)
         line = window.wait(lambda line: line.get('folder', '').endswith('goes'), since=mark)
         assert 'No such file' in line['failure'], line
-        window.do('sleep', 0.3)
+        window.stand_still()
         window.shot('unreadable folder')
         mark = window.mark()
         window.click('up')
@@ -117,7 +117,7 @@ def slow_folder(folder):
     environment = {'LD_PRELOAD': SLOW_DISK, 'SLUICE_SLOW_FOLDER': 'tarry'}
     with Display() as display, Window(display, PROGRAM, ['--size', '640x700', '--device', 'cpu'], folder, environment) as window:
         window.wait('folder')
-        window.do('sleep', 0.3)
+        window.stand_still()
         mark = window.mark()
         window.click('entry tarry')
         window.do('sleep', 1)
@@ -183,7 +183,7 @@ def recent_and_drops(folder):
     shutil.copytree(f'{folder}/config', other / 'config')
     with Display() as display, Window(display, PROGRAM, ['--size', '640x700', '--device', 'cpu'], other) as window:
         window.wait('folder')
-        window.do('sleep', 0.3)
+        window.stand_still()
         mark = window.mark()
         window.click('recent 0')
         opened(window, mark, 'a.nrrd')

@@ -177,6 +177,15 @@ class Window:
     def do(self, *words):
         subprocess.run(['xdotool', *map(str, words)], env=self.outside, check=True, stdout=subprocess.DEVNULL)
 
+    def stand_still(self, seconds=0.6):
+        """Waits until no control has moved for so long: a window that has just opened gets its size late, and later if other
+        programs keep it waiting."""
+        before = None
+        while self.controls != before:
+            before = dict(self.controls)
+            self.do('sleep', seconds)
+            self.update()
+
     def find(self, title):
         """The number of a window of this title."""
         found = subprocess.run(['xdotool', 'search', '--sync', '--name', f'^{title}$'], env=self.outside, check=True,
