@@ -55,7 +55,7 @@ std::string faultOfSpreads(const VolumeLayout& level, const VolumeLayout& spread
 
 }  // namespace
 
-ChunkedSource::ChunkedSource(ChunkedVolume volume, const ChunkedOptions& options)
+ChunkedSource::ChunkedSource(const ChunkedVolume& volume, const ChunkedOptions& options)
     : ChunkedSource(volume, volume.open(0), 0, options.channel,
                     std::make_shared<ZarrChunkCache>(options.chunk_cache_bytes), Part::kImage) {}
 

@@ -42,7 +42,7 @@ class ChunkedSource : public VolumeSource,
                       public StoredSource {
  public:
   // Throws Error: an array that cannot be opened, --channel without such an axis.
-  explicit ChunkedSource(ChunkedVolume volume, const ChunkedOptions& options = {});
+  explicit ChunkedSource(const ChunkedVolume& volume, const ChunkedOptions& options = {});
   ~ChunkedSource() override;
   ChunkedSource(const ChunkedSource&) = delete;
   ChunkedSource& operator=(const ChunkedSource&) = delete;

@@ -76,7 +76,7 @@ class Drawing {
   void expectSameRequest(const PictureOptions& picture) const;
   void expectSamePicture(const FrameOptions& options, const View& view) const;
   // The corners of what shows of the boxes of all ranks.
-  std::vector<Vec3d> pointsOfRanks(std::vector<Vec3d> own) const;
+  std::vector<Vec3d> pointsOfRanks(const std::vector<Vec3d>& own) const;
 
   // A frame that the session is ready to draw.
   struct ReadyFrame {

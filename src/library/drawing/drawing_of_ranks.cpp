@@ -16,7 +16,7 @@ void Drawing::refuseInSitu(const char* call) const {
                 opened_->volume.name, call);
 }
 
-std::vector<Vec3d> Drawing::pointsOfRanks(std::vector<Vec3d> own) const {
+std::vector<Vec3d> Drawing::pointsOfRanks(const std::vector<Vec3d>& own) const {
   ByteWriter mine;
   mine.list(own);
   std::vector<Vec3d> all, more;

@@ -78,6 +78,7 @@ std::array<double, 2> depthsOf(const FrameSetup& setup, const Box3& cells) {
 std::vector<Vec3d> depthColors(const TransferFunction& transfer) {
   constexpr int kColors = 1024;
   std::vector<Vec3d> colors;
+  colors.reserve(kColors);
   const double lo = transfer.colors.front().value, hi = transfer.colors.back().value;
   for (int i = 0; i < kColors; ++i)
     colors.push_back(colorAt(transfer, std::lerp(hi, lo, i / (kColors - 1.0))));

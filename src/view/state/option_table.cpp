@@ -104,6 +104,7 @@ std::optional<OptionValue> read(const Words& words, const T& held) {
     return OptionValue(held);
   } else if constexpr (kIsTexts<T>) {
     std::vector<std::string> texts;
+    texts.reserve(held.size());
     for (const auto& item : held) texts.push_back(textOf(item));
     return texts;
   } else {
