@@ -1,0 +1,116 @@
+// The colour of a sample or a segment of composite frames, with its light and factors, by the kind of
+// work that it takes. Included once a target.
+
+// The work that a sample's colour takes beyond the look-up.
+enum class Shading {
+  kTable,      // nothing: parallel views
+  kLength,     // the opacity corrected for the ray: perspective views
+  kGradients,  // light, or factors of the opacity; either view
+  kSpread,     // chunks with spreads; with or without gradients, either view
+  kShares,     // the same of labels: chunks with shares
+  // Pre-integrated: a sample stands for the values between two places, see FrameSetup::integrates.
+  kSegments,
+  kSegmentGradients,
+  kSurfaces,  // with surfaces, see FrameSetup::has_surfaces; with or without gradients, either view
+};
+constexpr bool hasTwoNumbers(Shading shading) {
+  return shading == Shading::kSpread || shading == Shading::kShares;
+}
+constexpr bool isIntegrated(Shading shading) {
+  return shading == Shading::kSegments || shading == Shading::kSegmentGradients;
+}
+
+template <DeviceType kType, Shading kShading>
+HWY_INLINE V3 differencesOf(const KernelBox& box, const V3& at, const Place& place) {
+  if constexpr (hasTwoNumbers(kShading))
+    return differencesWithoutMargin<kType, true>(box, at);
+  else
+    return box.has_margin ? differencesAt<kType>(box, place)
+                          : differencesWithoutMargin<kType>(box, at);
+}
+
+// The colour of a label of which a texel's finest voxels have a share.
+template <DeviceType kType>
+HWY_INLINE Color sharedColorOf(const KernelFrame& frame, const KernelBox& box, const V3& at,
+                               const Place& place, V label, V share, V ray_length) {
+  const V entry = entryOf(frame, label);
+  Gradient gradient{};
+  if (frame.lit || frame.rows > 0)
+    gradient = gradientOf(box, differencesOf<kType, Shading::kShares>(box, at, place));
+  const Color one = entryAt(frame.label_entries, wholeOf(hn::Add(entry, all(0.5F))));
+  V a = hn::Mul(one.a, share);
+  if (frame.rows > 0)
+    a = hn::Mul(a, factorAt(frame, hn::Mul(gradient.unit, hn::Sqrt(gradient.squared)), entry));
+  a = corrected(a, hn::Mul(ray_length, all(frame.slice_length)));
+  const Color color{hn::Mul(one.r, a), hn::Mul(one.g, a), hn::Mul(one.b, a), a};
+  return frame.lit ? shaded(frame, box, at, color, gradient, frame.flat) : color;
+}
+
+template <DeviceType kType, Shading kShading>
+HWY_INLINE Color colorOf(const KernelFrame& frame, const KernelBox& box, const V3& at,
+                         const Place& place, V value, V square, V ray_length) {
+  if constexpr (kShading == Shading::kShares)
+    return sharedColorOf<kType>(frame, box, at, place, value, square, ray_length);
+  const V entry = entryOf(frame, value);
+  Color color = colorAt(frame, entry);
+  if constexpr (kShading == Shading::kLength) {
+    color.a = hn::Sub(all(1.0F), powerOfTwo(hn::Mul(color.a, ray_length)));
+    color = {hn::Mul(color.r, color.a), hn::Mul(color.g, color.a), hn::Mul(color.b, color.a),
+             color.a};
+  }
+  if constexpr (kShading == Shading::kGradients || kShading == Shading::kSpread ||
+                kShading == Shading::kSurfaces) {
+    Gradient gradient{};
+    // The opacity of spreads may not need it: then only samples that show something do.
+    const bool comes_later = kShading == Shading::kSpread && frame.rows == 0;
+    if (!comes_later && (kShading == Shading::kGradients || frame.lit || frame.rows > 0))
+      gradient = gradientOf(box, differencesOf<kType, kShading>(box, at, place));
+    V factor = all(1.0F);
+    if (frame.rows > 0) {
+      const V magnitude = hn::Mul(gradient.unit, hn::Sqrt(gradient.squared));
+      factor = factorAt(frame, magnitude, entry);
+      color.a = hn::Mul(color.a, factor);
+      if (frame.corrects)
+        color.a = corrected(color.a, hn::Mul(ray_length, all(frame.slice_length)));
+    } else if (frame.perspective) {
+      color.a = hn::Sub(all(1.0F), powerOfTwo(hn::Mul(color.a, ray_length)));
+    }
+    if (frame.rows > 0 || frame.perspective)
+      color = {hn::Mul(color.r, color.a), hn::Mul(color.g, color.a), hn::Mul(color.b, color.a),
+               color.a};
+    if constexpr (kShading == Shading::kSpread)
+      color = expectedColor(frame, value, square, factor,
+                            hn::Mul(ray_length, all(frame.slice_length)), color);
+    if (comes_later) {
+      if (!frame.lit || hn::AllFalse(F(), hn::Gt(color.a, hn::Zero(F())))) return color;
+      gradient = gradientOf(box, differencesOf<kType, kShading>(box, at, place));
+    }
+    if (frame.lit) color = shaded(frame, box, at, color, gradient, frame.flat);
+  }
+  return color;
+}
+
+// The same of a segment. `at`: its middle.
+template <DeviceType kType, Shading kShading>
+HWY_INLINE Color segmentColorOf(const KernelFrame& frame, const KernelBox& box, const V3& at,
+                                const SumsAt& front, const SumsAt& back, V ray_length) {
+  Color color = segmentColor(frame, front, back);
+  Gradient gradient{};
+  if constexpr (kShading == Shading::kSegmentGradients)
+    gradient = gradientOf(box, differencesOf<kType, kShading>(box, at, placeAt(cellsOf(box), at)));
+  if (kShading == Shading::kSegmentGradients && frame.rows > 0) {
+    const V magnitude = hn::Mul(gradient.unit, hn::Sqrt(gradient.squared));
+    const V middle = hn::Mul(all(0.5F), hn::Add(front.place, back.place));
+    const V entry = hn::Min(hn::Max(middle, hn::Zero(F())), all(frame.last_entry));
+    color.a = hn::Mul(hn::Sub(all(1.0F), powerOfTwo(hn::Neg(color.a))),
+                      factorAt(frame, magnitude, entry));
+    if (frame.corrects) color.a = corrected(color.a, hn::Mul(ray_length, all(frame.slice_length)));
+  } else {
+    color.a = hn::Sub(all(1.0F), powerOfTwo(hn::Neg(hn::Mul(color.a, ray_length))));
+  }
+  color = {hn::Mul(color.r, color.a), hn::Mul(color.g, color.a), hn::Mul(color.b, color.a),
+           color.a};
+  if (kShading == Shading::kSegmentGradients && frame.lit)
+    color = shaded(frame, box, at, color, gradient, frame.flat);
+  return color;
+}
