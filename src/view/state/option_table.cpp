@@ -2,13 +2,10 @@
 
 #include <algorithm>
 #include <array>
-#include <type_traits>
 #include <utility>
 
 #include "src/base/error.h"
-#include "src/base/looks/channel_look.h"
-#include "src/base/looks/label_look.h"
-#include "src/base/looks/surface_look.h"
+#include "src/view/state/option_members.h"
 
 namespace sluice {
 namespace {
@@ -16,7 +13,7 @@ namespace {
 using Look = LookOptions;
 using View = ViewOptions;
 using Form = OptionForm;
-using Words = std::vector<std::string_view>;
+using Words = OptionWords;
 
 constexpr NumberRange<double> kWorld{-1e15, 1e15}, kShare{0, 1};
 
@@ -24,133 +21,14 @@ OptionKind wordOf(Words words) {
   return {.form = Form::kWord, .words = std::move(words)};
 }
 
-OptionReals realsOf(const Look::Opacity& point) {
-  return {point.value, point.opacity};
-}
-OptionReals realsOf(const PictureOptions::Plane& plane) {
-  return {plane.normal[0], plane.normal[1], plane.normal[2], plane.offset};
-}
-void assign(Look::Opacity& point, const OptionReals& n) {
-  point = {n[0], n[1]};
-}
-void assign(PictureOptions::Plane& plane, const OptionReals& n) {
-  plane = {{n[0], n[1], n[2]}, n[3]};
-}
-
-std::string textOf(const Look::Channel& channel) {
-  ChannelLook look{.channel = channel.channel, .map = channel.map, .opacity = channel.opacity};
-  if (channel.range) look.range = {(*channel.range)[0], (*channel.range)[1]};
-  return channelLookText(look);
-}
-void assign(Look::Channel& channel, const std::string& text) {
-  const std::optional<ChannelLook> look = parseChannelLook(text);
-  SLUICE_CHECK(look.has_value());
-  channel = {.channel = look->channel, .map = look->map, .opacity = look->opacity};
-  if (look->range) channel.range = {look->range->lo, look->range->hi};
-}
-
-std::string textOf(const Look::Label& label) {
-  return labelLookText({label.first, label.last, label.color, label.opacity});
-}
-void assign(Look::Label& label, const std::string& text) {
-  const std::optional<LabelLook> look = parseLabelLook(text);
-  SLUICE_CHECK(look.has_value());
-  label = {look->first, look->last, look->color, look->opacity};
-}
-
-std::string textOf(const Look::Surface& surface) {
-  return surfaceLookText({surface.value, surface.opacity, surface.color});
-}
-void assign(Look::Surface& surface, const std::string& text) {
-  const std::optional<SurfaceLook> look = parseSurfaceLook(text);
-  SLUICE_CHECK(look.has_value());
-  surface = {look->value, look->opacity, look->color};
-}
-
-template <class T>
-constexpr bool kIsOptional = false;
-template <class T>
-constexpr bool kIsOptional<std::optional<T>> = true;
-// Things that a text says.
-template <class T>
-constexpr bool kIsTexts =
-    std::is_same_v<T, std::vector<Look::Channel>> ||
-    std::is_same_v<T, std::vector<Look::Surface>> || std::is_same_v<T, std::vector<Look::Label>>;
-template <class T>
-concept AnArray = requires(T array) {
-  std::tuple_size<T>::value;
-};
-// The list that holds the numbers of an array.
-template <class Array>
-using ListOf =
-    std::conditional_t<std::is_integral_v<typename Array::value_type>, OptionWholes, OptionReals>;
-
-// The value of a member; nullopt if it is unset or empty.
-template <class T>
-std::optional<OptionValue> read(const Words& words, const T& held) {
-  if constexpr (kIsOptional<T>) {
-    return held ? read(words, *held) : std::nullopt;
-  } else if constexpr (std::is_enum_v<T>) {
-    return std::string(words[static_cast<size_t>(held)]);
-  } else if constexpr (std::is_same_v<T, PictureOptions::Box>) {
-    return OptionWholes{held.lo[0], held.lo[1], held.lo[2], held.hi[0], held.hi[1], held.hi[2]};
-  } else if constexpr (std::is_arithmetic_v<T>) {
-    return held;
-  } else if constexpr (AnArray<T>) {
-    return ListOf<T>(held.begin(), held.end());
-  } else if (held.empty()) {
-    return std::nullopt;
-  } else if constexpr (std::is_same_v<T, std::string>) {
-    return OptionValue(held);
-  } else if constexpr (kIsTexts<T>) {
-    std::vector<std::string> texts;
-    texts.reserve(held.size());
-    for (const auto& item : held) texts.push_back(textOf(item));
-    return texts;
-  } else {
-    std::vector<OptionReals> lists;
-    lists.reserve(held.size());
-    for (const auto& item : held) lists.push_back(realsOf(item));
-    return lists;
-  }
-}
-
-template <class T>
-void write(const Words& words, const OptionValue& value, T& held) {
-  if constexpr (kIsOptional<T>) {
-    write(words, value, held.emplace());
-  } else if constexpr (std::is_enum_v<T>) {
-    const auto word = std::find(words.begin(), words.end(), std::get<std::string>(value));
-    held = static_cast<T>(word - words.begin());
-  } else if constexpr (std::is_same_v<T, PictureOptions::Box>) {
-    const auto& n = std::get<OptionWholes>(value);
-    held = {{n[0], n[1], n[2]}, {n[3], n[4], n[5]}};
-  } else if constexpr (AnArray<T>) {
-    const auto& numbers = std::get<ListOf<T>>(value);
-    for (size_t i = 0; i < held.size(); ++i)
-      held[i] = static_cast<typename T::value_type>(numbers[i]);
-  } else if constexpr (kIsTexts<T>) {
-    held.clear();
-    for (const std::string& text : std::get<std::vector<std::string>>(value))
-      assign(held.emplace_back(), text);
-  } else if constexpr (
-      requires { held.emplace_back().opacity; } || requires { held.emplace_back().offset; }) {
-    held.clear();
-    for (const OptionReals& n : std::get<std::vector<OptionReals>>(value))
-      assign(held.emplace_back(), n);
-  } else {
-    held = std::get<T>(value);
-  }
-}
-
 // `held`: the member of a view, constant or not.
 template <class Held>
 OptionEntry holding(OptionEntry entry, Held held) {
   entry.get = [words = entry.kind.words, held](const ViewState& state) {
-    return read(words, held(state));
+    return readMember(words, held(state));
   };
   entry.set = [words = entry.kind.words, held](ViewState& state, const OptionValue& value) {
-    write(words, value, held(state));
+    writeMember(words, value, held(state));
   };
   return entry;
 }
@@ -182,11 +60,11 @@ OptionEntry in(std::array<double, 3> View::LookAt::*member, OptionEntry entry) {
   entry.part = OptionPart::kCamera;
   entry.get = [=](const ViewState& state) -> std::optional<OptionValue> {
     if (!state.view.look_at) return std::nullopt;
-    return read({}, *state.view.look_at.*member);
+    return readMember({}, *state.view.look_at.*member);
   };
   entry.set = [=](ViewState& state, const OptionValue& value) {
     if (!state.view.look_at) state.view.look_at.emplace();
-    write({}, value, *state.view.look_at.*member);
+    writeMember({}, value, *state.view.look_at.*member);
   };
   return entry;
 }
