@@ -258,6 +258,7 @@ TEST(CommandLine, aNearMissIsAnsweredWithTheRightWord) {
       {"render --mode mipp", "did you mean mip?"},
       {"render --mode vr", "composite, mip, minip, average, attenuated-mip or depth-mip"},
       {"render --map viridus", "did you mean viridis?"},
+      {"render --map #ff88", "or white, or one colour as RRGGBB, found '#ff88'"},
       {"render --policy arcs", "did you mean arc?"},
       {"simulate --policies lru,beladi", "did you mean belady?"},
       {"synth phantm", "did you mean phantom?"},

@@ -86,10 +86,11 @@ CLI::Option* OptionGroup::text(const std::string& names, const std::string& what
 CLI::Option* OptionGroup::word(const std::string& names, const std::vector<std::string>& words,
                                const std::function<void(const std::string&)>& take,
                                const std::string& help, const std::string& shown,
-                               const std::function<bool(const std::string&)>& also) const {
+                               const std::function<bool(const std::string&)>& also,
+                               const std::string& others) const {
   const auto check = [=](const std::string& given) {
     const bool is_known = std::find(words.begin(), words.end(), given) != words.end();
-    if (!is_known && !(also && also(given))) refuseWord(longName(names), given, words);
+    if (!is_known && !(also && also(given))) refuseWord(longName(names), given, words, others);
     take(given);
   };
   return offering(add(names, chooseName(words), help, check), words)->default_str(shown);
@@ -130,10 +131,11 @@ void OptionGroup::refuse(const std::string& name, const std::string& found,
 }
 
 void OptionGroup::refuseWord(const std::string& name, const std::string& found,
-                             const std::vector<std::string>& words) {
+                             const std::vector<std::string>& words, const std::string& others) {
   const std::string meant = nearest(found, words);
-  throw CLI::ValidationError(fmt::format("{}: expected {}, found '{}'{}", name, listed(words),
-                                         found,
+  const std::string more = others.empty() ? "" : ", or " + others;
+  throw CLI::ValidationError(fmt::format("{}: expected {}{}, found '{}'{}", name, listed(words),
+                                         more, found,
                                          meant.empty() ? "" : "; did you mean " + meant + "?"));
 }
 

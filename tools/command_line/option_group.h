@@ -96,17 +96,20 @@ class OptionGroup {
                     const std::string& help) const;
 
   // An option that takes one of these words, which `take` gets. `also` accepts more words than
-  // those that are shown.
+  // those that are shown; messages name them as `others`.
   CLI::Option* word(const std::string& names, const std::vector<std::string>& words,
                     const std::function<void(const std::string&)>& take, const std::string& help,
                     const std::string& shown = "",
-                    const std::function<bool(const std::string&)>& also = nullptr) const;
+                    const std::function<bool(const std::string&)>& also = nullptr,
+                    const std::string& others = "") const;
 
-  // The same for words that have values. `also` understands more words than those that are shown.
+  // The same for words that have values. `also` understands more words than those that are shown,
+  // and messages name them as `others`.
   template <class Value, class Target>
-  CLI::Option* choice(
-      const std::string& names, const Words<Value>& words, Target& target, const std::string& help,
-      const std::function<std::optional<Value>(const std::string&)>& also = nullptr) const {
+  CLI::Option* choice(const std::string& names, const Words<Value>& words, Target& target,
+                      const std::string& help,
+                      const std::function<std::optional<Value>(const std::string&)>& also = nullptr,
+                      const std::string& others = "") const {
     std::string shown;
     if constexpr (std::same_as<Target, Value>)
       for (const auto& [word, value] : words)
@@ -119,8 +122,9 @@ class OptionGroup {
         }
       target = *also(given);
     };
-    return word(names, namesOf(words), take, help, shown,
-                [also](const std::string& given) { return also && also(given); });
+    return word(
+        names, namesOf(words), take, help, shown,
+        [also](const std::string& given) { return also && also(given); }, others);
   }
 
   // Accepts several of a few words, with commas between.
@@ -182,7 +186,8 @@ class OptionGroup {
   [[noreturn]] static void refuse(const std::string& name, const std::string& found,
                                   const std::string& expected);
   [[noreturn]] static void refuseWord(const std::string& name, const std::string& found,
-                                      const std::vector<std::string>& words);
+                                      const std::vector<std::string>& words,
+                                      const std::string& others = "");
 
   template <class Target, class Number>
   CLI::Option* ranged(const std::string& names, const std::string& what, Target& target,

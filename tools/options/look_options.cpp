@@ -47,7 +47,7 @@ void addLookOptions(CLI::App& app, const AskedView& asked, LookArguments& look,
   group.choice<std::string>("--map", maps, look.map,
                             "Changes the colours only: " + listed(namesOf(maps)) +
                                 "; one colour as RRGGBB; or the name of a map in --transfer",
-                            mapOfFile);
+                            mapOfFile, "one colour as RRGGBB");
   table.add("--range", [&look](const ViewState& state) {
     look.range = {(*state.look.range)[0], (*state.look.range)[1]};
   });
