@@ -2,14 +2,12 @@
 
 #include <algorithm>
 #include <array>
-#include <cstring>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "io/files/swap_bytes.h"
-#include "io/slices/deflate_rows.h"
 #include "io/slices/tiff_page.h"
+#include "io/slices/tiff_rows.h"
 #include "io/slices/tiff_samples.h"
 #include "io/slices/tiff_stream.h"
 #include "src/base/error.h"
@@ -18,7 +16,6 @@ namespace sluice {
 namespace {
 
 constexpr uint64_t kMaxTileBytes = uint64_t{64} << 20;
-constexpr size_t kPlainBytes = size_t{256} << 10;  // uncompressed rows read at once
 
 class TiffPicture final : public SlicePicture {
  public:
@@ -49,15 +46,7 @@ class TiffPicture final : public SlicePicture {
       convertPixels(p, format_.type, palette_, stored,
                     out.subspan(static_cast<size_t>(at) * row_bytes, row_bytes), is_mirrored);
     };
-    if (p.is_tiled) {
-      readTiles(p, first, count, keepRow);
-    } else if (p.compression == COMPRESSION_NONE) {
-      readPlainStrips(p, first, count, keepRow);
-    } else if (p.isDeflate()) {
-      readDeflateStrips(p, first, count, keepRow);
-    } else {
-      readStrips(p, first, count, keepRow);
-    }
+    rows_.read(first, count, keepRow);
   }
 
  private:
@@ -201,7 +190,7 @@ class TiffPicture final : public SlicePicture {
     bytes += std::min(largest, stream_.file.sizeBytes());
     const uint64_t row_bytes = p.width * p.pixelBytes();
     if (p.is_tiled) return bytes + TIFFTileSize64(tiff_.get()) + format_.unit_rows * row_bytes;
-    return bytes + std::max(row_bytes, kPlainBytes);
+    return bytes + std::max<uint64_t>(row_bytes, TiffRows::kPlainBytes);
   }
 
   PictureFormat formatOf(const TiffPage& p) {
@@ -248,160 +237,11 @@ class TiffPicture final : public SlicePicture {
     }
     page_number_ = page;
     level_ = level;
-    next_row_ = -1;
-    deflated_.reset();
     const TiffPage& p = at_page_;
+    rows_.begin(page, p);
     if (p.photometric == PHOTOMETRIC_YCBCR)
       TIFFSetField(tiff_.get(), TIFFTAG_JPEGCOLORMODE, JPEGCOLORMODE_RGB);
     if (p.photometric == PHOTOMETRIC_PALETTE) palette_ = paletteOf(tiff_.get(), stream_);
-  }
-
-  int64_t rowsPerStrip(const TiffPage& p) {
-    return std::clamp<int64_t>(tiffField<uint32_t>(tiff_.get(), TIFFTAG_ROWSPERSTRIP, p.height), 1,
-                               p.height);
-  }
-
-  // The decoder of a strip or tile, at its first row. libtiff's names: a strile is either.
-  std::unique_ptr<DeflateRows> deflateRows(const TiffPage& p, uint32_t strile, size_t row_bytes,
-                                           int64_t rows) {
-    const std::string where = fmt::format("{}: page {}, {} {}", stream_.file.path(),
-                                          page_number_ + 1, p.is_tiled ? "tile" : "strip", strile);
-    const uint64_t at = TIFFGetStrileOffset(tiff_.get(), strile);
-    const uint64_t bytes = TIFFGetStrileByteCount(tiff_.get(), strile);
-    const uint64_t file_bytes = stream_.file.sizeBytes();
-    if (at > file_bytes || bytes > file_bytes - at)
-      fail("{}: {} bytes at {} in a file of {}; it was cut short", where, bytes, at, file_bytes);
-    std::vector<std::byte> stored(bytes);
-    stream_.file.readAt(at, stored);
-    const DeflateForm form{.row_bytes = row_bytes,
-                           .rows = rows,
-                           .sample_bytes = p.bits / 8U,
-                           .samples = p.samples,
-                           .predictor = static_cast<TiffPredictor>(p.predictor),
-                           .swapped = TIFFIsByteSwapped(tiff_.get()) != 0};
-    return std::make_unique<DeflateRows>(std::move(stored), form, where);
-  }
-
-  // Does what readStrips() does. The checksum of a strip is compared when its last row is read.
-  template <class Keep>
-  void readDeflateStrips(const TiffPage& p, int64_t first, int64_t count, Keep keep) {
-    const size_t row_bytes = p.width * p.pixelBytes();
-    buffer_.resize(row_bytes);
-    const int64_t strip_rows = rowsPerStrip(p);
-    const int64_t strip_start = first / strip_rows * strip_rows;
-    const bool can_go_on = next_row_ >= strip_start && next_row_ <= first;
-    for (int64_t row = can_go_on ? next_row_ : strip_start; row < first + count; ++row) {
-      next_row_ = -1;
-      if (row % strip_rows == 0)
-        deflated_ = deflateRows(p, static_cast<uint32_t>(row / strip_rows), row_bytes, strip_rows);
-      deflated_->next(buffer_);
-      if ((row + 1) % strip_rows == 0 || row + 1 == p.height) deflated_->finish();
-      next_row_ = row + 1;
-      if (row >= first) keep(row, buffer_.data());
-    }
-  }
-
-  // A whole tile into buffer_.
-  void readDeflateTile(const TiffPage& p, uint32_t tile, size_t row_bytes, int64_t rows) {
-    const auto decoder = deflateRows(p, tile, row_bytes, rows);
-    for (int64_t row = 0; row < rows; ++row)
-      decoder->next(std::span(buffer_).subspan(static_cast<size_t>(row) * row_bytes, row_bytes));
-    decoder->finish();
-  }
-
-  // Calls keep(row, stored bytes of the row) for each row, top first as stored. Rows of a strip are
-  // decoded one after the other, so that a strip as large as the picture needs no memory of its
-  // size.
-  template <class Keep>
-  void readStrips(const TiffPage& p, int64_t first, int64_t count, Keep keep) {
-    const tmsize_t scanline = TIFFScanlineSize(tiff_.get());
-    if (scanline < static_cast<tmsize_t>(p.width * p.pixelBytes()))
-      stream_.failWith("damaged TIFF");
-    buffer_.resize(static_cast<size_t>(scanline));
-    const int64_t strip_rows = rowsPerStrip(p);
-    const int64_t strip_start = first / strip_rows * strip_rows;
-    const bool can_go_on = next_row_ >= strip_start && next_row_ <= first;
-    for (int64_t row = can_go_on ? next_row_ : strip_start; row < first + count; ++row) {
-      next_row_ = -1;
-      if (TIFFReadScanline(tiff_.get(), buffer_.data(), static_cast<uint32_t>(row), 0) != 1)
-        stream_.failWith(fmt::format("page {}, row {}: damaged TIFF", page_number_ + 1, row));
-      next_row_ = row + 1;
-      if (row >= first) keep(row, buffer_.data());
-    }
-  }
-
-  // Uncompressed rows lie in the file as they are, usually strip behind strip: contiguous rows
-  // become one read.
-  template <class Keep>
-  void readPlainStrips(const TiffPage& p, int64_t first, int64_t count, Keep keep) {
-    const size_t row_bytes = p.width * p.pixelBytes();
-    const auto most_rows = static_cast<int64_t>(std::max<size_t>(kPlainBytes / row_bytes, 1));
-    for (int64_t row = first; row < first + count;) {
-      const uint64_t begin = plainRowAt(p, row, row_bytes);
-      int64_t rows = 1;
-      while (rows < most_rows && row + rows < first + count &&
-             plainRowAt(p, row + rows, row_bytes) ==
-                 begin + static_cast<uint64_t>(rows) * row_bytes)
-        ++rows;
-      buffer_.resize(static_cast<size_t>(rows) * row_bytes);
-      stream_.file.readAt(begin, buffer_);
-      if (TIFFIsByteSwapped(tiff_.get()) != 0) swapBytes(buffer_, p.bits / 8U);
-      for (int64_t i = 0; i < rows; ++i)
-        keep(row + i, buffer_.data() + static_cast<size_t>(i) * row_bytes);
-      row += rows;
-    }
-  }
-
-  // The offset of a row in the file; throws Error unless the whole row is there.
-  uint64_t plainRowAt(const TiffPage& p, int64_t row, size_t row_bytes) {
-    const int64_t strip_rows = rowsPerStrip(p);
-    const auto strip = static_cast<uint32_t>(row / strip_rows);
-    const auto offset_in_strip = static_cast<uint64_t>(row % strip_rows) * row_bytes;
-    const uint64_t strip_at = TIFFGetStrileOffset(tiff_.get(), strip);
-    const uint64_t strip_bytes = TIFFGetStrileByteCount(tiff_.get(), strip);
-    const uint64_t file_bytes = stream_.file.sizeBytes();
-    const uint64_t end_in_file = offset_in_strip + row_bytes + p.moved_bytes;
-    if (offset_in_strip + row_bytes > strip_bytes || strip_at > file_bytes ||
-        end_in_file > file_bytes - strip_at)
-      fail(
-          "{}: TIFF cut short: page {}, row {} needs {} bytes at {} in a strip of {} and a file "
-          "of {}",
-          stream_.file.path(), page_number_ + 1, row, row_bytes,
-          strip_at + offset_in_strip + p.moved_bytes, strip_bytes, file_bytes);
-    return strip_at + offset_in_strip + p.moved_bytes;
-  }
-
-  template <class Keep>
-  void readTiles(const TiffPage& p, int64_t first, int64_t count, Keep keep) {
-    const int64_t tile_width = tiffField<uint32_t>(tiff_.get(), TIFFTAG_TILEWIDTH, 0);
-    const int64_t tile_height = tiffField<uint32_t>(tiff_.get(), TIFFTAG_TILELENGTH, 0);
-    const auto pixel = static_cast<int64_t>(p.pixelBytes());
-    if (tile_width < 1 || tile_height < 1 ||
-        TIFFTileSize(tiff_.get()) < tile_width * tile_height * pixel)
-      stream_.failWith("damaged TIFF");
-    buffer_.resize(static_cast<size_t>(TIFFTileSize(tiff_.get())));
-    std::vector<std::byte> rows;
-    for (int64_t top = first / tile_height * tile_height; top < first + count; top += tile_height) {
-      const int64_t begin = std::max(top, first);
-      const int64_t end = std::min(top + tile_height, first + count);
-      rows.resize(static_cast<size_t>((end - begin) * p.width * pixel));
-      for (int64_t left = 0; left < p.width; left += tile_width) {
-        const auto x = static_cast<uint32_t>(left), y = static_cast<uint32_t>(top);
-        if (p.isDeflate())
-          readDeflateTile(p, TIFFComputeTile(tiff_.get(), x, y, 0, 0),
-                          static_cast<size_t>(tile_width * pixel), tile_height);
-        else if (TIFFReadTile(tiff_.get(), buffer_.data(), x, y, 0, 0) < 0)
-          stream_.failWith(
-              fmt::format("page {}, tile at ({}, {}): damaged TIFF", page_number_ + 1, left, top));
-        const int64_t columns = std::min<int64_t>(tile_width, p.width - left);
-        for (int64_t row = begin; row < end; ++row)
-          std::memcpy(rows.data() + ((row - begin) * p.width + left) * pixel,
-                      buffer_.data() + (row - top) * tile_width * pixel,
-                      static_cast<size_t>(columns * pixel));
-      }
-      for (int64_t row = begin; row < end; ++row)
-        keep(row, rows.data() + (row - begin) * p.width * pixel);
-    }
   }
 
   TiffStream stream_;
@@ -414,12 +254,10 @@ class TiffPicture final : public SlicePicture {
   int64_t page_number_ = -1;
   size_t level_ = 0;
   TiffPage at_page_;
-  int64_t next_row_ = -1;                  // the page's row at which the decoder stands; -1: none
-  std::unique_ptr<DeflateRows> deflated_;  // decoder of a page that isDeflate()
-  std::vector<std::byte> buffer_;          // a row or tile as stored
-  std::vector<uint8_t> palette_;           // luminance of each entry
-  std::string description_;                // from the first page
-  std::array<double, 2> resolution_{};     // pixels a unit; 0 if the file does not tell
+  TiffRows rows_{tiff_.get(), stream_};
+  std::vector<uint8_t> palette_;        // luminance of each entry
+  std::string description_;             // from the first page
+  std::array<double, 2> resolution_{};  // pixels a unit; 0 if the file does not tell
 };
 
 }  // namespace
