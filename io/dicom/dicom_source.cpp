@@ -10,6 +10,7 @@
 #include "io/dicom/dicom_folder.h"
 #include "io/dicom/dicom_frames.h"
 #include "io/dicom/dicom_module.h"
+#include "io/dicom/dicom_order.h"
 #include "io/dicom/dicom_stack.h"
 #include "io/files/file.h"
 #include "io/files/file_list.h"
