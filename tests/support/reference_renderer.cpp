@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "src/base/error.h"
+#include "tests/support/clipped_points.h"
 #include "tests/support/reference_extinction.h"
 #include "tests/support/reference_light.h"
 #include "tests/support/reference_lighting.h"
@@ -83,8 +84,7 @@ class Renderer {
         crop_(scene.crop ? intersect(*scene.crop, boxOf(layout_.dims)) : boxOf(layout_.dims)),
         finest_(std::min({layout_.spacing.x, layout_.spacing.y, layout_.spacing.z})),
         last_depth_(depthsOf(view, cornersOf(layout_, boxOf(layout_.dims)))[1]),
-        depths_(depthsOf(
-            view, scene.shown_points.empty() ? cornersOf(layout_, crop_) : scene.shown_points)) {
+        depths_(shownDepths(view, scene)) {
     if (view.projection == Projection::kPerspective) depths_[0] = std::max(depths_[0], 0.0);
   }
 
@@ -117,6 +117,15 @@ class Renderer {
     bool counts, near_face;
   };
 
+  // The depths of what the crop and the clip planes leave, or of the points that show of it.
+  std::array<double, 2> shownDepths(const View& view, const ReferenceScene& scene) const {
+    const std::vector<Vec3d> whole = cornersOf(layout_, crop_);
+    const std::vector<Vec3d> left = clippedPoints(whole, scene.clip_planes);
+    const auto depths = depthsOf(view, left.empty() ? whole : left);
+    if (scene.shown_points.empty()) return depths;
+    const auto shown = depthsOf(view, scene.shown_points);
+    return {std::max(depths[0], shown[0]), std::min(depths[1], shown[1])};
+  }
   // The depth of the first slice, or of the first in front of a perspective eye inside the volume.
   double nearestDepth() const {
     if (view_.projection == Projection::kOrtho || view_.first_depth > 0)

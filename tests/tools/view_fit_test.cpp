@@ -138,5 +138,28 @@ TEST_F(ViewFitTest, depthsAreThoseOfWhatShows) {
   }
 }
 
+// A clip plane takes away the nearest part of the cube, so depths begin at the plane.
+TEST_F(ViewFitTest, depthsFollowClipPlanes) {
+  const TransferFunction transfer = thresholdTransfer(100, {0, 200});
+  WorkerPool pool(2);
+  const IndexedVolume volume = openIndexed(arguments_, resources_, IndexNeeds{}, pool);
+  const VolumeLayout& layout = volume.source->layout();
+  frame_.depth_cueing = 1;
+  const FitRequest request{{{volume, volume.step(), transfer}}, frame_, true};
+  frame_.shown_points = depthPoints(request, resources_, pool);
+  const View view = resolve(frame_.camera, layout, frame_.size, 1);
+  const double middle = dot(worldFromIndex(layout, {23.5, 23.5, 23.5}) - view.eye, view.forward);
+  const double plane = middle + 1 + dot(view.eye, view.forward);
+  frame_.clip_planes = {{view.forward * -1.0, -plane}};
+  const auto [near, far] = shownDepths(view, layout, frame_);
+  EXPECT_NEAR(near, middle + 1, 1e-9);
+  EXPECT_NEAR(far, middle + 4.5, 1e-9);
+  // Planes that leave nothing change nothing.
+  frame_.clip_planes = {{view.forward, -1e6}};
+  const auto [all_near, all_far] = shownDepths(view, layout, frame_);
+  EXPECT_NEAR(all_near, middle - 4.5, 1e-9);
+  EXPECT_NEAR(all_far, middle + 4.5, 1e-9);
+}
+
 }  // namespace
 }  // namespace sluice

@@ -51,7 +51,7 @@ struct FrameOptions {
   Lighting lighting;                      // Applies if the frame is lit
   double depth_cueing = 0, jitter = 0;    // see FrameSetup
   // World positions whose hull holds what the transfer function shows, for pictures whose colours
-  // depend on depth. Null or none: the corners of cropCells().
+  // depend on depth. Null or none: the corners that the clip planes leave of cropCells().
   std::shared_ptr<const std::vector<Vec3d>> shown_points = {};
   std::optional<CutOptions> cut;  // unset: the finest level alone is drawn
   std::optional<Box3> crop;       // voxels; the part between its outer voxel planes is shown

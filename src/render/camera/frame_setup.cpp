@@ -5,6 +5,7 @@
 #include <memory>
 #include <utility>
 
+#include "src/render/camera/clipped_box.h"
 #include "src/render/camera/index_space.h"
 
 namespace sluice {
@@ -59,14 +60,15 @@ int64_t firstSlice(const View& view) {
   return static_cast<int64_t>(std::floor(-view.first_depth / view.step - 0.5)) + 1;
 }
 
+// The depths between which the clip planes leave something of the cells; those of the whole box if
+// they leave nothing.
 std::array<double, 2> depthsOf(const FrameSetup& setup, const Box3& cells) {
+  std::vector<Vec3d> corners = clippedCorners(cells, setup.clip_planes);
+  if (corners.empty()) corners = clippedCorners(cells, {});
   std::array<double, 2> depths{1e300, -1e300};
   const auto& row = setup.depth_from_index;
-  for (int corner = 0; corner < 8; ++corner) {
-    double depth = row[3];
-    for (int a = 0; a < 3; ++a)
-      depth += row[static_cast<size_t>(a)] *
-               static_cast<double>((corner >> a & 1) != 0 ? cells.hi[a] : cells.lo[a]);
+  for (const Vec3d& corner : corners) {
+    const double depth = row[3] + row[0] * corner.x + row[1] * corner.y + row[2] * corner.z;
     depths = {std::min(depths[0], depth), std::max(depths[1], depth)};
   }
   if (setup.projection == Projection::kPerspective) depths[0] = std::max(depths[0], 0.0);
@@ -195,7 +197,8 @@ double longestStep(const View& view, const VolumeLayout& layout) {
 
 std::array<double, 2> shownDepths(const View& view, const VolumeLayout& layout,
                                   const FrameOptions& options) {
-  const auto corners = depthsOf(viewSetup(view, layout, {}), cropCells(options, layout.dims));
+  const auto corners =
+      depthsOf(viewSetup(view, layout, options.clip_planes), cropCells(options, layout.dims));
   if (options.shown_points == nullptr) return corners;
   std::array<double, 2> depths{1e300, -1e300};
   for (const Vec3d& point : *options.shown_points) {

@@ -26,7 +26,7 @@ FrameSetup frameSetup(const View& view, const VolumeLayout& layout, const Look& 
 FrameSetup viewSetup(const View& view, const VolumeLayout& layout,
                      const std::vector<WorldPlane>& clip_planes);
 // FrameSetup::shown_depths of such a frame: those of FrameOptions::shown_points, as far as they lie
-// between the corners of cropCells().
+// between the corners that the clip planes leave of cropCells().
 std::array<double, 2> shownDepths(const View& view, const VolumeLayout& layout,
                                   const FrameOptions& options);
 
