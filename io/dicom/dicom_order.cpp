@@ -100,13 +100,13 @@ class StackOrder {
     std::vector<Placed> kept;
     size_t copies = 0;
     std::string one;
-    for (Placed& p : placed_) {
+    for (const Placed& p : placed_) {
       const std::string& instance = headerOf(p).instance;
       if (!instance.empty() && !seen.try_emplace({instance, p.at.frame}, p.at.file).second) {
         if (copies++ == 0) one = headerOf(p).path;
         continue;
       }
-      kept.push_back(std::move(p));
+      kept.push_back(p);
     }
     placed_ = std::move(kept);
     if (copies > 0)

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "io/slices/tiff_description.h"
 #include "io/slices/tiff_page.h"
 #include "io/slices/tiff_rows.h"
 #include "io/slices/tiff_samples.h"
