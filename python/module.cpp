@@ -63,6 +63,7 @@ VolumeOptions volumeOptions(const py::dict& keywords) {
   take("grid", options.grid);
   take("channel", options.channel);
   take("channel_name", options.channel_name);
+  take("over", options.over);
   take("whole_series", options.whole_series);
   take("opens_soon", options.opens_soon);
   take("time", options.time);

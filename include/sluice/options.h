@@ -32,8 +32,10 @@ struct LookOptions {
   // How one of several channels looks that are drawn together. What is not set follows from the
   // look of all channels, else from the file, else from the values.
   struct Channel {
-    std::string channel = {};                         // its number from 0, or its name
-    std::string map = {};                             // a colour, "green" or "00ff00", or a map
+    // Its number from 0, or its name; "over" for VolumeOptions::over.
+    std::string channel = {};
+    // A colour, "green" or "00ff00", a map, "labels", or the file of a table of labels.
+    std::string map = {};
     std::optional<std::array<double, 2>> range = {};  // opacity rises over it from 0, too
     std::optional<double> opacity = {};               // at the end of the range
     friend bool operator==(const Channel&, const Channel&) = default;

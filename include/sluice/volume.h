@@ -37,6 +37,9 @@ struct VolumeOptions {
   // have commas between: "0,2" or "DAPI,GFP". With neither, pictures of a file that says how its
   // channels look (OME) show its active channels, and those of other files the first channel.
   std::string channel_name = {};
+  // The file or address of a further volume, which pictures show together with this one at its own
+  // place in the world: labels over a scan, for example. Of several channels, its first one.
+  std::string over = {};
 
   // Volumes at addresses (https://..., s3://...).
   struct Web {

@@ -3,42 +3,53 @@
 #include <algorithm>
 #include <cctype>
 #include <initializer_list>
+#include <iterator>
 
 namespace sluice {
 namespace {
 
 struct Unit {
   std::string_view name;
+  double meters;
   std::initializer_list<std::string_view> spellings;
 };
+
+// The micro sign and the Greek letter as UTF-8 and Latin-1, and as text escapes.
+const Unit kUnits[] = {
+    {"angstrom", 1e-10, {"a", "angstrom", "\xc3\x85", "\xe2\x84\xab"}},
+    {"nanometer", 1e-9, {"nm", "nanometer", "nanometre", "nanometers"}},
+    {"micrometer",
+     1e-6,
+     {"um", "micron", "microns", "micrometer", "micrometre", "micrometers", "\xc2\xb5m",
+      "\xce\xbcm", "\xb5m", "\\u00b5m"}},
+    {"millimeter", 1e-3, {"mm", "millimeter", "millimetre", "millimeters"}},
+    {"centimeter", 1e-2, {"cm", "centimeter", "centimetre", "centimeters"}},
+    {"meter", 1, {"m", "meter", "metre", "meters"}},
+    {"kilometer", 1e3, {"km", "kilometer", "kilometre"}},
+    {"inch", 0.0254, {"in", "inch", "inches"}},
+};
+constexpr std::string_view kNoUnits[] = {"",     "pixel", "pixels",  "voxel", "voxels",
+                                         "none", "null",  "unknown", "???"};
 
 }  // namespace
 
 std::string lengthUnit(std::string_view said) {
-  // The micro sign and the Greek letter as UTF-8 and Latin-1, and as text escapes.
-  static const Unit kUnits[] = {
-      {"angstrom", {"a", "angstrom", "\xc3\x85", "\xe2\x84\xab"}},
-      {"nanometer", {"nm", "nanometer", "nanometre", "nanometers"}},
-      {"micrometer",
-       {"um", "micron", "microns", "micrometer", "micrometre", "micrometers", "\xc2\xb5m",
-        "\xce\xbcm", "\xb5m", "\\u00b5m"}},
-      {"millimeter", {"mm", "millimeter", "millimetre", "millimeters"}},
-      {"centimeter", {"cm", "centimeter", "centimetre", "centimeters"}},
-      {"meter", {"m", "meter", "metre", "meters"}},
-      {"kilometer", {"km", "kilometer", "kilometre"}},
-      {"inch", {"in", "inch", "inches"}},
-      {"", {"", "pixel", "pixels", "voxel", "voxels", "none", "null", "unknown", "???"}},
-  };
   constexpr size_t kLongest = 40;
   std::string word(said.substr(0, kLongest));
   std::string lower = word;
   for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  if (std::ranges::find(kNoUnits, lower) != std::end(kNoUnits)) return "";
   for (const Unit& unit : kUnits)
     if (std::find(unit.spellings.begin(), unit.spellings.end(), lower) != unit.spellings.end())
       return std::string(unit.name);
   for (char& c : word)
     if (c < ' ' || c > '~') c = '?';
   return word;
+}
+
+std::optional<double> metersOf(std::string_view unit) {
+  const auto* const found = std::ranges::find(kUnits, unit, &Unit::name);
+  return found == std::end(kUnits) ? std::nullopt : std::optional(found->meters);
 }
 
 }  // namespace sluice

@@ -1,6 +1,7 @@
 // Units of length as files spell them.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -10,5 +11,7 @@ namespace sluice {
 // that is not known comes back as it is, cut to one short printable line; empty for a pixel's or
 // none.
 std::string lengthUnit(std::string_view said);
+// The meters of one such unit, 0.001 for "millimeter"; nullopt for a word that is not known.
+std::optional<double> metersOf(std::string_view unit);
 
 }  // namespace sluice

@@ -128,14 +128,9 @@ double omeLength(const Fields& pixels, std::string_view axis, const std::string&
   const auto size = numberIn<double>(fieldOf(pixels, name));
   const std::string own = fieldOf(pixels, name + "Unit");
   // If y or z has another unit than x, a known unit is converted to x's.
-  static const std::map<std::string, double, std::less<>> kMeters = {
-      {"angstrom", 1e-10},  {"nanometer", 1e-9}, {"micrometer", 1e-6}, {"millimeter", 1e-3},
-      {"centimeter", 1e-2}, {"meter", 1},        {"inch", 0.0254}};
-  const auto from = kMeters.find(own.empty() ? "micrometer" : lengthUnit(own));
-  const auto to = kMeters.find(unit);
-  const bool known = from != kMeters.end() && to != kMeters.end();
+  const auto from = metersOf(own.empty() ? "micrometer" : lengthUnit(own)), to = metersOf(unit);
   if (!size) return 1;
-  return lengthOr1(known && from != to ? *size * from->second / to->second : *size);
+  return lengthOr1(from && to && *from != *to ? *size * *from / *to : *size);
 }
 
 // A signed number of 32 bits: red, green, blue and alpha from the highest byte down. Writers that

@@ -71,7 +71,7 @@ def _cache(size, folder):
 
 
 def open(path, *, dims=None, type=None, endian=None, skip=None, time_steps=None, spacing=None, grid=None,
-         channel=None, time=0, whole_series=True, opens_soon=False, index_dir=None, levels=None, cache=None,
+         channel=None, over=None, time=0, whole_series=True, opens_soon=False, index_dir=None, levels=None, cache=None,
          cache_dir=None, block=None, page=None, memory=None, threads=None, progress=None):
     """Opens a volume and returns a Volume.
 
@@ -80,6 +80,8 @@ def open(path, *, dims=None, type=None, endian=None, skip=None, time_steps=None,
     `type` ('u8', 'i16', 'f32', ...), `endian` ('little' or 'big'), `skip` (bytes before the first
     voxel) and `time_steps` are for raw files. `channel` is a number or a name,
     or a list of them that pictures show together, as they do the active channels of an OME file.
+    `over` names the file or address of a second volume, which pictures show at its own place in the
+    world: labels over a scan, for example.
 
     The first opening passes over the voxels and keeps an index in `index_dir`, by default the
     folder that `sluice` uses; '' keeps none. `memory` ('512M' or bytes) bounds that pass. `levels`
@@ -106,7 +108,9 @@ def open(path, *, dims=None, type=None, endian=None, skip=None, time_steps=None,
                    index_dir=_index_folder(index_dir), levels=levels, block=block, page=page, memory=_bytes(memory),
                    threads=threads)
     options.update(_cache(cache, cache_dir))
-    if any(str(each).startswith('s3://') for each in paths):
+    if over is not None:
+        options['over'] = _os.fspath(over)
+    if any(str(each).startswith('s3://') for each in [*paths, over]):
         options.update(_sluice.bucket_access(_os.environ.get))
     if isinstance(channel, (list, tuple)):
         channel = ','.join(map(str, channel)) if len(channel) > 1 else channel[0]

@@ -75,6 +75,7 @@ def open(
     spacing: _Triple | None = ...,
     grid: str | None = ...,
     channel: int | str | Sequence[int | str] | None = ...,
+    over: _Path | None = ...,
     time: int = ...,
     whole_series: bool = ...,
     opens_soon: bool = ...,

@@ -164,7 +164,8 @@ struct FrameSetup {
   double flat = 1;                     // device values a world unit, see Lighting
   std::vector<ClipPlane> clip_planes;  // at most kMostClipPlanes
 };
-inline constexpr size_t kMostClipPlanes = 6;
+// As many as people may ask for, and the sides of a box.
+inline constexpr size_t kMostClipPlanes = 12;
 // See FrameSetup::has_surfaces. A power of two, so that differences of such places are exact.
 inline constexpr int kPlaceGrid = 8192;
 // The voxel from which such places count.

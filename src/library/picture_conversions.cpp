@@ -294,8 +294,9 @@ FrameOptions frameOptions(const PictureOptions& picture, const VolumeLayout& lay
       !(*picture.opacity_threshold > 0 && *picture.opacity_threshold <= 1))
     failRequest("opacity_threshold {}: must be above 0, up to 1", *picture.opacity_threshold);
   options.opacity_threshold = picture.opacity_threshold;
-  if (picture.clip_planes.size() > kMostClipPlanes)
-    failRequest("clip_planes: {} of them, at most {}", picture.clip_planes.size(), kMostClipPlanes);
+  if (picture.clip_planes.size() > kMostAskedPlanes)
+    failRequest("clip_planes: {} of them, at most {}", picture.clip_planes.size(),
+                kMostAskedPlanes);
   for (const PictureOptions::Plane& plane : picture.clip_planes) {
     for (const double value : {plane.normal[0], plane.normal[1], plane.normal[2], plane.offset})
       requireFinite("clip_planes", value);

@@ -23,8 +23,9 @@ namespace sluice {
 // The volume, and how to read it if the file does not tell.
 struct VolumeArguments {
   std::vector<std::string> inputs;
-  OpenOptions open;
+  OpenOptions open = {};
   int64_t time = 0;
+  std::string over = {};  // a further volume that pictures show at its place in the world
 };
 
 // How it looks.

@@ -58,8 +58,9 @@ void open(OpenedVolume& opened, VolumeArguments arguments, const VolumeOptions& 
   std::vector<ChannelSource> sources = channels(arguments);
   for (ChannelSource& source : sources) {
     IndexedVolume volume =
-        indexVolume(std::move(source.source), arguments, machine, needs, wish, pass);
+        indexVolume(std::move(source.source), source.arguments, machine, needs, wish, pass);
     volume.channel = std::move(source.channel);
+    if (!source.note.empty()) volume.notes.push_back(std::move(source.note));
     if (volume.stand_in) volume.notes.push_back(volume.standInNote());
     addNotes(volume, wish, notes);
     if (opened.volume.source == nullptr)
@@ -102,6 +103,7 @@ void openLent(OpenedVolume& opened, FillRegion fill, const VolumeLayout& layout,
     open(opened, arguments, options, {.disabled = true}, teller, [&](const VolumeArguments& asked) {
       std::vector<ChannelSource> one(1);
       one.front().source = checkedSource(lentSource(std::move(fill), layout), asked);
+      one.front().arguments = asked;
       return one;
     });
   });

@@ -52,6 +52,7 @@ VolumeArguments volumeArguments(const std::vector<std::string>& paths,
   VolumeArguments arguments;
   arguments.inputs = paths;
   arguments.time = options.time;
+  arguments.over = options.over;
   OpenOptions& open = arguments.open;
   if (options.dims) open.dims = vec(*options.dims);
   open.time_steps = options.time_steps;

@@ -28,10 +28,10 @@ TEST(ChannelLook, rejectsWhatIsNone) {
 
 TEST(ChannelLook, isOfAChannelByNumberOrName) {
   const ChannelLook look{.channel = "1"};
-  EXPECT_TRUE(isLookOf(look, 1, "GFP"));
-  EXPECT_FALSE(isLookOf(look, 2, "GFP"));
-  EXPECT_TRUE(isLookOf({.channel = "GFP"}, 2, "GFP"));
-  EXPECT_FALSE(isLookOf({.channel = ""}, 2, ""));
+  EXPECT_TRUE(isLookOf(look, "1", "GFP"));
+  EXPECT_FALSE(isLookOf(look, "2", "GFP"));
+  EXPECT_TRUE(isLookOf({.channel = "GFP"}, "2", "GFP"));
+  EXPECT_FALSE(isLookOf({.channel = ""}, "2", ""));
 }
 
 }  // namespace

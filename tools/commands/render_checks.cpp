@@ -45,7 +45,7 @@ bool numbersPictures(const Arguments& arguments) {
 Outputs renderOutputs(const Arguments& arguments) {
   Outputs outputs(arguments.force);
   outputs.reads(arguments.volume.inputs);
-  outputs.reads({arguments.look.transfer_file, arguments.look.label_table, arguments.path_file,
+  outputs.reads({arguments.volume.over, arguments.look.transfer_file, arguments.look.label_table, arguments.path_file,
                  arguments.state_file});
   outputs.reads(basisFiles(arguments.culling));
   if (isFilmName(arguments.output))
@@ -180,8 +180,8 @@ bool isRefined(const Arguments& arguments, const Scene& scene) {
 
 void requireOneChannel(const Arguments& arguments, const Scene& scene) {
   if (scene.more.empty() || !(arguments.progressive || arguments.debug_view)) return;
-  fail("{}: {} shows one channel, not {}; give one --channel", scene.volume.name,
-       arguments.progressive ? "--progressive" : "--debug-view", scene.layers().size());
+  fail("{}: {} shows one channel, {}", scene.volume.name,
+       arguments.progressive ? "--progressive" : "--debug-view", scene.notOneChannel());
 }
 
 void requireWholePicture(const Arguments& arguments, const Scene& scene) {

@@ -167,6 +167,7 @@ Command addRender(CLI::App& program) {
       "Draws a volume into PNG or EXR pictures\n\n"
       "  sluice render bonsai.nii.gz -o bonsai.png --threshold 40 --azimuth 30");
   addVolumeOptions(*app, arguments->volume, &arguments->times, false);
+  addOverOption(*app, arguments->volume);
   const OptionGroup output(*app, kOutputHeading);
   output
       .text("-o,--output", "FILE", arguments->output,

@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "src/library/drawing/added_pictures.h"
+#include "src/library/drawing/shared_world.h"
 #include "src/library/opening/shown_channels.h"
 #include "src/library/opening/step_ranges.h"
 #include "src/render/blocks/cut_rules.h"
@@ -45,8 +47,8 @@ IndexedVolume openAnew(const Layer& layer, ChannelSource opened, const VerifiedV
   machine.block = size > 16 ? size / 2 : size * 2;
   machine.pages.reset();  // they need not hold a block of that size
   const IndexNeeds needs{.gradients = layer.volume.needs.gradients};
-  IndexedVolume volume =
-      indexVolume(std::move(opened.source), view.volume, machine, needs, {.disabled = true}, pass);
+  IndexedVolume volume = indexVolume(std::move(opened.source), opened.arguments, machine, needs,
+                                     {.disabled = true}, pass);
   volume.channel = std::move(opened.channel);
   return volume;
 }
@@ -84,6 +86,19 @@ FrameOptions plainOptions(FrameOptions options) {
   options.count_samples = false;
   options.keep_phases = false;
   return options;
+}
+
+// The distance between slices that suits the finest levels of all.
+double finestStep(const std::vector<IndexedVolume>& volumes, const FrameOptions& options) {
+  const VolumeLayout& first = volumes.front().source->layout();
+  double least = std::numeric_limits<double>::infinity();
+  for (const IndexedVolume& volume : volumes) {
+    const VolumeLayout& layout = volume.source->layout();
+    const FrameOptions own = frameOn(layout, first, options);
+    const View view = resolve(own.camera, layout, own.size, own.step_vox);
+    least = std::min(least, stepOn(first, layout, stepFor(view, layout)));
+  }
+  return least;
 }
 
 void compare(const Picture& plain, const Picture& picture, Verification& result) {
@@ -140,9 +155,7 @@ Verification verify(Scene& scene, const VerifiedView& view, FrameOptions options
     if (colorsByDepth(options)) result.unchecked.emplace_back("the depths of all time steps");
   }
   // Slices of the finest level lie closer than those of a picture from coarser ones.
-  if (is_cut && !view.has_step)
-    options.step_vox =
-        stepFor(resolve(options.camera, layout, options.size, options.step_vox), layout);
+  if (is_cut && !view.has_step) options.step_vox = finestStep(volumes, options);
   EveryBlock every_block(scene.pool);
   const bool all = volumes.front().layout.blockCount() <= kMostBlocks;
   if (!all) result.unchecked.emplace_back("which blocks are empty, since there are too many");

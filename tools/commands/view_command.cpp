@@ -134,6 +134,7 @@ Command addView(CLI::App& program) {
                                          "Shows a volume in a window; ? there lists the keys\n\n"
                                          "  sluice view bonsai.nii.gz --threshold 40");
   addVolumeOptions(*app, arguments->volume, nullptr, false);
+  addOverOption(*app, arguments->volume);
   const OptionGroup output(*app, kOutputHeading);
   output.text("--state", "FILE", arguments->state_file, "Opens a saved view and its volume");
   output.text("--trace", "FILE", arguments->trace_file,

@@ -19,6 +19,8 @@ namespace sluice {
 // steps too, and sets it and arguments.time to its first.
 void addVolumeOptions(CLI::App& app, VolumeArguments& arguments,
                       std::optional<TimeRange>* times = nullptr, bool needs_volume = true);
+// --over, of commands that draw several volumes together.
+void addOverOption(CLI::App& app, VolumeArguments& arguments);
 // `chooses`: includes --culling; otherwise only the options of opacity functions.
 void addCullingOptions(CLI::App& app, CullingArguments& arguments, bool chooses);
 void addLookOptions(CLI::App& app, const AskedView& asked, LookArguments& look,

@@ -29,6 +29,7 @@ ViewedVolume viewedVolume(const VolumeArguments& volume, const ResourceArguments
   options.grid = open.grid;
   options.channel = open.channel.number;
   options.channel_name = open.channel.name;
+  options.over = volume.over;
   options.whole_series = whole_series;
   options.time = volume.time;
   options.index_folder = index_folder;

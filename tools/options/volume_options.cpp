@@ -146,4 +146,11 @@ void addVolumeOptions(CLI::App& app, VolumeArguments& arguments, std::optional<T
       "Time step, from 0; or the steps A, A + S, ... up to B", "0");
 }
 
+void addOverOption(CLI::App& app, VolumeArguments& arguments) {
+  const OptionGroup group(app, "Volume");
+  group.text("--over", "SECOND", arguments.over,
+             "A second volume, drawn together with the first at its own place in the world, such "
+             "as labels over a scan; --look over:... gives its look");
+}
+
 }  // namespace sluice

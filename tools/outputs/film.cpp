@@ -137,7 +137,7 @@ int writeFilm(const RenderArguments& arguments, const CLI::App& app, const Saved
   ViewedVolume viewed =
       viewedVolume(arguments.volume, arguments.resources, wish.disabled ? "" : wish.folder.string(),
                    !arguments.look.this_step);
-  viewed.options.web = webOf(arguments.volume.open.web, viewed.paths);
+  viewed.options.web = webOf(arguments.volume.open.web, namesOf(viewed));
   viewed.options.time = 0;  // the view's own is checked against the volume first
   // A signal ends whatever is under way.
   const auto watch = [](const Progress&) { interruption().throwIfStopped(); };

@@ -19,6 +19,21 @@ std::string labelName(const ChosenLook& look, double label) {
   return found == look.label_names.end() ? fmt::format("{:.7g}", label) : found->second;
 }
 
+void addLabels(const Layer& layer, Annotations& annotations) {
+  for (const ValueCount& entry : layer.volume.values.counts.entries)
+    if (entry.lo == entry.hi && opacityAt(layer.look.transfer, entry.lo) > 0)
+      annotations.legend.push_back(
+          {labelName(layer.look, entry.lo), colorAt(layer.look.transfer, entry.lo)});
+}
+
+// A channel without a name has its number; a volume under another one its file's name.
+std::string legendName(const Layer& layer, const Scene& scene) {
+  const ShownChannel& channel = layer.volume.channel;
+  if (!channel.name.empty()) return channel.name;
+  const bool has_over = scene.layers().back()->volume.channel.is_over;
+  return has_over ? layer.volume.source->layout().name : channel.id();
+}
+
 // The colours of a picture by depth: of world units behind the nearest part of what it shows.
 void showDepths(std::array<double, 2> depths_shown, Annotations& annotations) {
   const auto [near, far] = depths_shown;
@@ -49,23 +64,19 @@ Annotations annotationsOf(const PictureOutput& output, const FrameOptions& optio
   annotations.range = scene.volume.valueRange();
   if (traitsOf(options.mode).codes_depth)
     showDepths(shownDepths(annotations.view, layout, options), annotations);
-  if (scene.look.transfer.labels)
-    for (const ValueCount& entry : scene.volume.values.counts.entries)
-      if (entry.lo == entry.hi && opacityAt(scene.look.transfer, entry.lo) > 0)
-        annotations.legend.push_back(
-            {labelName(scene.look, entry.lo), colorAt(scene.look.transfer, entry.lo)});
   // Surfaces alone: no other value shows.
   const TransferFunction& transfer = scene.look.transfer;
   if (std::ranges::none_of(transfer.opacities, [](const auto& point) { return point.opacity > 0; }))
     for (const IsoSurface& surface : transfer.surfaces)
       annotations.legend.push_back({fmt::format("{:.7g}", surface.value), surface.rgb});
-  // A channel's own colour is the one of its brightest values.
   for (const Layer* layer : scene.layers()) {
-    if (scene.more.empty()) break;
-    const ShownChannel& channel = layer->volume.channel;
-    annotations.legend.push_back(
-        {channel.name.empty() ? fmt::format("{}", channel.number) : channel.name,
-         layer->look.transfer.colors.back().rgb});
+    if (layer->look.transfer.labels) {
+      addLabels(*layer, annotations);
+    } else if (!scene.more.empty()) {
+      // A channel's own colour is the one of its brightest values.
+      annotations.legend.push_back(
+          {legendName(*layer, scene), layer->look.transfer.colors.back().rgb});
+    }
   }
   annotations.background = output.background;
   return annotations;

@@ -312,6 +312,10 @@ json volumeJson(const IndexedVolume& volume) {
             {"bytes", volume.index->bytes()}}}};
 }
 
+json idJson(const ShownChannel& channel) {
+  return channel.is_over ? json(channel.id()) : json(channel.number);
+}
+
 namespace {
 
 // The counters of all channels.
@@ -336,7 +340,7 @@ json levelsJson(const Scene& scene) {
 json channelsJson(const Scene& scene) {
   json channels = json::array();
   for (const Layer* layer : scene.layers())
-    channels.push_back({{"channel", layer->volume.channel.number},
+    channels.push_back({{"channel", idJson(layer->volume.channel)},
                         {"name", layer->volume.channel.name},
                         {"look", lookJson(layer->look)},
                         {"read_bytes", layer->volume.source->storedBytesRead()},

@@ -43,6 +43,8 @@ nlohmann::json refinedJson(const std::vector<RefinedPicture>& pictures);
 bool isCoarser(const VisibleBlocks& blocks);
 // `dims`, `voxel_type`, ..., as `info` prints them.
 nlohmann::json volumeJson(const IndexedVolume& volume);
+// A channel's number, or "over".
+nlohmann::json idJson(const ShownChannel& channel);
 // The box of the volume's outer voxel centres, along the world's axes.
 struct WorldBounds {
   Vec3d lo, hi;

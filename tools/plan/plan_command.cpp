@@ -12,6 +12,7 @@
 #include "src/base/threads/clock.h"
 #include "src/base/values/bytes.h"
 #include "src/library/drawing/picture_cost.h"
+#include "src/library/drawing/shared_world.h"
 #include "tools/command_line/console.h"
 #include "tools/command_line/interrupt.h"
 #include "tools/command_line/progress_line.h"
@@ -184,7 +185,7 @@ nlohmann::json reportOf(const std::vector<PlannedChannel>& channels, Algorithm a
                    .forecast = channel.forecast,
                    .classify_seconds = channel.shown.seconds};
     nlohmann::json of_channel = channelJson(channel, own, algorithm);
-    of_channel["channel"] = channel.volume.channel.number;
+    of_channel["channel"] = idJson(channel.volume.channel);
     of_channel["name"] = channel.volume.channel.name;
     report["channels"].push_back(std::move(of_channel));
   }
@@ -291,6 +292,7 @@ int run(const PlanArguments& asked, const CLI::App& app) {
                                      arguments.frame, PictureRow::kOne);
   Outputs outputs(arguments.force);
   outputs.reads(arguments.volume.inputs);
+  outputs.reads(arguments.volume.over);
   outputs.reads(arguments.look.transfer_file);
   outputs.writes("--report", arguments.report_file, reportKind(arguments.report_file));
   outputs.checkNames();
@@ -300,8 +302,9 @@ int run(const PlanArguments& asked, const CLI::App& app) {
   if (pass && !arguments.resources.quiet) printNotice(passLine(arguments.volume, *pass));
   PlannedPicture planned = openPlanned(arguments, FinestLevel::kMayWait, outputs, pool);
   const bool must_read = std::ranges::any_of(planned.channels, [&](const PlannedChannel& channel) {
-    return mustReadFinest(channel.volume, channel.transfer, arguments.frame, {&planned.camera, 1},
-                          pool);
+    return mustReadFinest(channel.volume, channel.transfer,
+                          planned.channels.front().volume.source->layout(), arguments.frame,
+                          {&planned.camera, 1}, pool);
   });
   if (must_read && pass) {
     for (PlannedChannel& channel : planned.channels) addFinestLevel(*pass, channel.volume);
@@ -311,12 +314,17 @@ int run(const PlanArguments& asked, const CLI::App& app) {
   PlannedChannel& first = channels.front();
   arguments.frame.camera = planned.camera;
   if (channels.size() > 1 && arguments.culling.culling != Culling::kNone)
-    fail("{}: --culling looks at one channel, not {}; give one --channel", first.volume.name,
-         channels.size());
+    fail("{}: --culling looks at one channel, {}", first.volume.name,
+         notOne(channels.size(), channels.back().volume.channel));
   const std::unique_ptr<PlannedCulling> culling =
       plannedCulling(arguments, first.volume, first.transfer, pool);
   const PlanArguments share = shareOf(arguments, channels.size());
-  for (PlannedChannel& channel : channels) planChannel(share, channel, culling.get(), pool);
+  for (PlannedChannel& channel : channels) {
+    PlanArguments own = share;
+    own.frame = frameOn(channel.volume.source->layout(), first.volume.source->layout(), own.frame);
+    own.volume.time = channel.volume.time;
+    planChannel(own, channel, culling.get(), pool);
+  }
   const Algorithm algorithm = arguments.frame.algorithm;
   nlohmann::json report = reportOf(channels, algorithm, app);
   addStoreJson(report, sumOf(channels).forecast, pass);
@@ -357,6 +365,7 @@ Command addPlan(CLI::App& program) {
       "  sluice plan bonsai.nii.gz --threshold 40 --page 32x64x2 --pages 256\n"
       "  sluice plan bonsai.nii.gz --threshold 40 --partition boxes");
   addVolumeOptions(*app, arguments->volume);
+  addOverOption(*app, arguments->volume);
   addPictureOptions(*app, arguments->look, arguments->frame, arguments->fit);
   addFrameOptions(*app, arguments->frame);
   addCullingOptions(*app, arguments->culling, true);

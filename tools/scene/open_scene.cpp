@@ -4,6 +4,7 @@
 #include <memory>
 #include <utility>
 
+#include "src/library/drawing/shared_world.h"
 #include "tools/command_line/console.h"
 #include "tools/command_line/environment.h"
 #include "tools/command_line/interrupt.h"
@@ -18,15 +19,15 @@ ProgressWatch indexingLine(const ResourceArguments& resources) {
 
 // Reads or builds the index of a channel. `said`: notes that were printed; the channel's others are
 // printed and added.
-IndexedVolume indexed(ChannelSource opened, const VolumeArguments& arguments,
-                      const ResourceArguments& resources, const IndexNeeds& needs, WorkerPool& pool,
+IndexedVolume indexed(ChannelSource opened, const ResourceArguments& resources, const IndexNeeds& needs, WorkerPool& pool,
                       std::vector<std::string>& said) {
   ProgressMeter progress(indexingLine(resources));
-  IndexedVolume volume = indexVolume(std::move(opened.source), arguments, resources, needs,
+  IndexedVolume volume = indexVolume(std::move(opened.source), opened.arguments, resources, needs,
                                      indexWish(resources.index_dir),
                                      {pool, progress, memoryBudget(resources), interruption(),
                                       resources.quiet ? nullptr : printNotice});
   volume.channel = std::move(opened.channel);
+  if (!opened.note.empty()) volume.notes.push_back(std::move(opened.note));
   for (const std::string& note : volume.notes) {
     if (resources.quiet || std::ranges::find(said, note) != said.end()) continue;
     printWarning(note);
@@ -43,7 +44,7 @@ IndexedVolume openIndexed(const VolumeArguments& arguments, const ResourceArgume
   ChannelSource opened = openChannel(arguments);
   outputs.check(opened.source->files());
   std::vector<std::string> said;
-  return indexed(std::move(opened), arguments, resources, needs, pool, said);
+  return indexed(std::move(opened), resources, needs, pool, said);
 }
 
 std::vector<IndexedVolume> openIndexedChannels(const VolumeArguments& arguments,
@@ -53,14 +54,16 @@ std::vector<IndexedVolume> openIndexedChannels(const VolumeArguments& arguments,
                                                WorkerPool& pool, const Outputs& outputs) {
   outputs.checkNames();
   std::vector<ChannelSource> opened = openChannels(arguments);
-  outputs.check(opened.front().source->files());
+  for (const ChannelSource& channel : opened) outputs.check(channel.source->files());
   // Several channels have no row of pictures that begins with a sample.
   if (opened.size() > 1) finest = std::min(finest, FinestLevel::kMayWait);
   std::vector<std::string> said;
   std::vector<IndexedVolume> volumes;
   for (ChannelSource& channel : opened) {
-    const IndexNeeds needs = pictureNeeds(lookOfChannel(look, channel.channel), frame, finest);
-    volumes.push_back(indexed(std::move(channel), arguments, resources, needs, pool, said));
+    FrameOptions own = frame;
+    if (own.cut && channel.channel.is_over) own.cut->level.reset();
+    const IndexNeeds needs = pictureNeeds(lookOfChannel(look, channel.channel), own, finest);
+    volumes.push_back(indexed(std::move(channel), resources, needs, pool, said));
   }
   return volumes;
 }
@@ -90,15 +93,21 @@ IndexNeeds pictureNeeds(const LookArguments& look, const FrameOptions& frame, Fi
 bool mustReadFinest(const Scene& scene, const FrameOptions& frame,
                     std::span<const Camera> cameras) {
   return std::ranges::any_of(scene.layers(), [&](const Layer* layer) {
-    return mustReadFinest(layer->volume, layer->look.transfer, frame, cameras, scene.pool);
+    return mustReadFinest(layer->volume, layer->look.transfer, scene.volume.source->layout(), frame,
+                          cameras, scene.pool);
   });
 }
 
 bool mustReadFinest(const IndexedVolume& volume, const TransferFunction& transfer,
-                    const FrameOptions& frame, std::span<const Camera> cameras, WorkerPool& pool) {
+                    const VolumeLayout& first, const FrameOptions& frame,
+                    std::span<const Camera> cameras, WorkerPool& pool) {
   if (!volume.stand_in || frame.time_limit_s || frame.cut->most_stored_bytes != UINT64_MAX)
     return false;
-  return showsFinest(volume.step(), transfer, frame, cameras, pool);
+  const VolumeLayout& layout = volume.source->layout();
+  std::vector<Camera> own(cameras.begin(), cameras.end());
+  if (!isSameGrid(layout, first))
+    for (Camera& camera : own) camera = cameraOn(layout, first, camera, frame.size);
+  return showsFinest(volume.step(), transfer, frameOn(layout, first, frame), own, pool);
 }
 
 void fitCameras(std::vector<Camera>& cameras, FitChoice choice, const FitRequest& request,

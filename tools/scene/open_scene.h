@@ -33,9 +33,11 @@ std::vector<IndexedVolume> openIndexedChannels(const VolumeArguments& volume,
                                                const FrameOptions& frame, FinestLevel finest,
                                                WorkerPool& pool, const Outputs& outputs);
 // Whether pictures from these cameras of a volume with a stand-in have to wait for the index of
-// the finest level: they show that level, and no limit of bytes or time stands against it.
+// the finest level: they show that level, and no limit of bytes or time stands against it. `first`:
+// the layout of the volume that frame and cameras are for.
 bool mustReadFinest(const IndexedVolume& volume, const TransferFunction& transfer,
-                    const FrameOptions& frame, std::span<const Camera> cameras, WorkerPool& pool);
+                    const VolumeLayout& first, const FrameOptions& frame,
+                    std::span<const Camera> cameras, WorkerPool& pool);
 // The same for any channel of a scene.
 bool mustReadFinest(const Scene& scene, const FrameOptions& frame, std::span<const Camera> cameras);
 

@@ -97,7 +97,8 @@ TurnedVolume openTurned(const TurnArguments& arguments, FinestLevel finest, Work
 // Without the index of the finest level if no picture of the turn shows that level.
 TurnedVolume openTurned(const TurnArguments& arguments, WorkerPool& pool, const Outputs& outputs) {
   TurnedVolume turned = openTurned(arguments, FinestLevel::kMayWait, pool, outputs);
-  if (mustReadFinest(*turned.volume, *turned.transfer, arguments.frame, turned.cameras, pool))
+  if (mustReadFinest(*turned.volume, *turned.transfer, turned.volume->source->layout(),
+                     arguments.frame, turned.cameras, pool))
     return openTurned(arguments, FinestLevel::kRead, pool, outputs);
   if (turned.volume->stand_in && !arguments.resources.quiet)
     printWarning(turned.volume->standInNote());

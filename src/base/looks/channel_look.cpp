@@ -50,8 +50,8 @@ std::string channelLookText(const ChannelLook& look) {
   return text;
 }
 
-bool isLookOf(const ChannelLook& look, int64_t channel, std::string_view name) {
-  return look.channel == fmt::format("{}", channel) || (!name.empty() && look.channel == name);
+bool isLookOf(const ChannelLook& look, std::string_view id, std::string_view name) {
+  return look.channel == id || (!name.empty() && look.channel == name);
 }
 
 }  // namespace sluice

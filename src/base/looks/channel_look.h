@@ -14,10 +14,16 @@ namespace sluice {
 // Channels that a picture shows together at the most.
 inline constexpr size_t kMostChannels = 8;
 
+// The channel's id in a look of the volume that is drawn over the first one.
+inline constexpr std::string_view kOver = "over";
+
+// In a map's place: values are labels, each with its colour. So is the file of a table of labels.
+inline constexpr std::string_view kLabelsMap = "labels";
+
 // Whatever is not set follows from the file, or from the values.
 struct ChannelLook {
-  std::string channel;                   // its number from 0, or its name; not empty
-  std::string map = {};                  // a colour or a map; empty: not set
+  std::string channel;                   // its number from 0, its name, or kOver; not empty
+  std::string map = {};                  // a colour, a map, kLabelsMap or a file; empty: not set
   std::optional<ValueRange> range = {};  // colours span it, and opacity rises over it; lo != hi
   std::optional<double> opacity = {};    // at the end of the range, of a voxel length; 0 to 1
   friend bool operator==(const ChannelLook&, const ChannelLook&) = default;
@@ -28,7 +34,8 @@ struct ChannelLook {
 std::optional<ChannelLook> parseChannelLook(std::string_view text);
 // The text that gives the look again.
 std::string channelLookText(const ChannelLook& look);
-// Whether the look is meant for the channel of this number and name.
-bool isLookOf(const ChannelLook& look, int64_t channel, std::string_view name);
+// Whether the look is meant for the channel of this id ("2" for the channel of that number) and
+// name.
+bool isLookOf(const ChannelLook& look, std::string_view id, std::string_view name);
 
 }  // namespace sluice

@@ -123,11 +123,13 @@ class Chooser {
     std::vector<LabelStyle> styles = labelStylesOf(values_.counts, look_.map);
     if (!look_.label_table.empty())
       applyTable(styles, readLabelTable(look_.label_table, look_.stop));
+    if (look_.opacity) applyLooks(styles, std::vector<LabelLook>{{.opacity = look_.opacity}});
     applyLooks(styles, look_.label_looks);
     chosen_.transfer = labelsTransfer(styles);
     for (const LabelStyle& style : styles)
       if (!style.name.empty()) chosen_.label_names.emplace(style.label, style.name);
     addLabels();
+    if (look_.opacity) add(fmt::format(" --opacity {}", *look_.opacity));
     if (!look_.label_table.empty()) add(" --labels-table " + shellWord(look_.label_table));
     for (const LabelLook& look : look_.label_looks)
       add(" --label " + shellWord(labelLookText(look)));
@@ -164,7 +166,7 @@ class Chooser {
     chosen_.transfer = std::move(made.transfer);
     chosen_.lit = chosen_.lit && made.lit;
     if (chosen_.transfer.labels) {
-      addLabels();
+      fromLabels();
       return;
     }
     if (look_.range) {

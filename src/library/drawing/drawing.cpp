@@ -356,8 +356,7 @@ PicturePlan Drawing::plan(const PictureOptions& picture, ProgressTeller& teller)
   refuseInSitu("plan()");
   const Reading reading(*this, teller);
   if (!scene_.more.empty())
-    failRequest("{}: a plan is of one channel, not {}; open the volume with one",
-                scene_.volume.name, scene_.layers().size());
+    failRequest("{}: a plan is of one channel, {}", scene_.volume.name, scene_.notOneChannel());
   const TimeStep step = stepAt(picture.time, reading.pass);
   return planOf(scene_, step, looked(picture, step, reading.pass));
 }

@@ -12,7 +12,7 @@ namespace {
 
 ShownLook::Channel shownChannel(const Layer& layer) {
   const TransferFunction& transfer = layer.look.transfer;
-  ShownLook::Channel shown{.channel = fmt::format("{}", layer.volume.channel.number),
+  ShownLook::Channel shown{.channel = layer.volume.channel.id(),
                            .name = layer.volume.channel.name,
                            .rgb = {1, 1, 1},
                            .range = {0, 1}};

@@ -83,10 +83,14 @@ std::string whyEmpty(const DrawnPicture& drawn, const IndexPass& pass) {
   const std::vector<Vec3d> points = hull.points();
   if (isBesidePicture(points, resolve(options.camera, layout, options.size, options.step_vox)))
     return "the camera looks past the visible part of the volume";
-  for (const WorldPlane& plane : options.clip_planes)
-    if (isClipped(points, plane))
-      return fmt::format("the clip plane {},{},{},{} takes away all that is visible",
-                         plane.normal.x, plane.normal.y, plane.normal.z, plane.offset);
+  for (const WorldPlane& plane : options.clip_planes) {
+    if (!isClipped(points, plane)) continue;
+    // Planes of a volume over another one are not those that its user gave.
+    if (drawn.volume.channel.is_over)
+      return "a clip plane or the crop box takes away all that is visible";
+    return fmt::format("the clip plane {},{},{},{} takes away all that is visible", plane.normal.x,
+                       plane.normal.y, plane.normal.z, plane.offset);
+  }
   if (!drawn.transfer.gradients.empty() && traitsOf(options.mode).has_colors)
     return "the opacities by gradient hide everything that the opacities by value show";
   return "the visible part is too transparent or too small to change a pixel";

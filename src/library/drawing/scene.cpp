@@ -10,6 +10,7 @@
 #include "src/base/values/bytes.h"
 #include "src/library/drawing/added_pictures.h"
 #include "src/library/drawing/empty_picture.h"
+#include "src/library/drawing/shared_world.h"
 #include "src/render/blocks/cut_rules.h"
 #include "src/render/camera/frame_setup.h"
 #include "src/render/session/planner.h"
@@ -61,6 +62,13 @@ uint64_t composedBytes(uint64_t part_bytes, PictureSize size, uint64_t memory_by
   return bytes;
 }
 
+// Depths of a volume over the first one, in the first one's unit.
+void toUnitOf(const VolumeLayout& first, const VolumeLayout& own, std::vector<float>& depths) {
+  const auto scale = static_cast<float>(worldScale(own, first));
+  if (scale != 1)
+    for (float& depth : depths) depth *= scale;
+}
+
 // The part of a machine for each of so many layers.
 MachineOptions shareOf(MachineOptions machine, size_t layers) {
   if (layers > 1) machine.memory_bytes = memoryBudget(machine) / layers;
@@ -95,8 +103,7 @@ Scene::Scene(SceneInputs inputs, const LookArguments& asked_look, const FrameOpt
   drawn_look = lookText();
   if (inputs.team != nullptr) {
     if (!more.empty())
-      failRequest("{}: several ranks draw one channel, not {}; give one --channel", volume.name,
-                  layers().size());
+      failRequest("{}: several ranks draw one channel, {}", volume.name, notOneChannel());
     const int level = frame.cut ? frame.cut->level.value_or(0) : 0;
     const Dealing dealing = inputs.lent != nullptr
                                 ? dealLent(std::move(inputs.lent))
@@ -118,6 +125,10 @@ std::vector<Layer*> Scene::layers() {
   std::vector<Layer*> all{this};
   for (const auto& further : more) all.push_back(further.get());
   return all;
+}
+
+std::string Scene::notOneChannel() const {
+  return notOne(layers().size(), layers().back()->volume.channel);
 }
 
 std::vector<const Layer*> Scene::layers() const {
@@ -181,7 +192,11 @@ FrameOptions Scene::optionsOf(const Layer& layer, const FrameOptions& options) c
   if (more.empty()) return options;
   const auto all = layers();
   const auto place = static_cast<uint64_t>(std::ranges::find(all, &layer) - all.begin());
-  FrameOptions own = options;
+  // A session that is opened before its pictures have a size has no view yet.
+  const bool has_view = options.size.width > 0 && options.size.height > 0;
+  const VolumeLayout& layout = layer.volume.source->layout();
+  FrameOptions own =
+      has_view ? frameOn(layout, volume.source->layout(), options) : options;
   own.shades = layer.look.lit;
   if (look.flat_scale > 0) own.lighting.flat_share *= layer.look.flat_scale / look.flat_scale;
   // Waiting and blocks of a cut are shared out, too.
@@ -233,12 +248,16 @@ void Scene::chooseBlocksBy(BlockChooser* chooser) {
 
 double Scene::chosenStep(const TimeStep& step, const FrameOptions& options) const {
   if (!traitsOf(options.mode).has_colors) return options.step_vox;
-  const View view =
-      resolve(options.camera, volume.source->layout(), options.size, options.step_vox);
+  const VolumeLayout& first = volume.source->layout();
+  const View view = resolve(options.camera, first, options.size, options.step_vox);
   double least = chosenStepOf(*this, *this, step, view, options);
-  for (const auto& layer : more)
-    least = std::min(
-        least, chosenStepOf(*this, *layer, layer->volume.step(), view, optionsOf(*layer, options)));
+  for (const auto& layer : more) {
+    const VolumeLayout& layout = layer->volume.source->layout();
+    const FrameOptions own = optionsOf(*layer, options);
+    const View own_view = resolve(own.camera, layout, own.size, own.step_vox);
+    const double own_step = chosenStepOf(*this, *layer, layer->volume.step(), own_view, own);
+    least = std::min(least, stepOn(first, layout, own_step));
+  }
   return least;
 }
 
@@ -246,7 +265,7 @@ std::string Scene::lookText() const {
   if (more.empty()) return look.options;
   std::vector<const ShownChannel*> shown;
   for (const Layer* layer : layers()) shown.push_back(&layer->volume.channel);
-  return lookOptions(asked, shown);
+  return lookOptions(asked, shown, look.options);
 }
 
 std::string Scene::lookOf(const FrameOptions& options) const {
@@ -322,6 +341,7 @@ Frame Scene::drawLayers(std::vector<LayerFrame>& parts) {
       continue;
     }
     Frame next = of_layer.frame();
+    toUnitOf(volume.source->layout(), all[i]->volume.source->layout(), next.picture.depth);
     part = {next.report, !showsNothing(next.picture)};
     if (!sum) {
       sum = std::move(next);
@@ -365,7 +385,8 @@ std::string Scene::emptyLayers(const SceneFrame& frame, int64_t time, const Fram
     const LayerFrame& part = frame.layers[i];
     const Layer& layer = *layers()[i];
     if (part.shows_something) continue;
-    const std::string why = whyEmpty({layer.volume, time, layer.look.transfer,
+    const bool is_series = layer.volume.source->layout().time_steps > 1;
+    const std::string why = whyEmpty({layer.volume, is_series ? time : 0, layer.look.transfer,
                                       optionsOf(layer, options), part.report.missing_share},
                                      pass);
     line += fmt::format("{}{} shows nothing: {}", line.empty() ? "" : "; ",
@@ -376,9 +397,7 @@ std::string Scene::emptyLayers(const SceneFrame& frame, int64_t time, const Fram
 
 void Scene::recordTo(const std::string& path) {
   if (!path.empty() && !more.empty())
-    failRequest(
-        "{}: a trace records the texture cache of one channel, not of {}; give one --channel", path,
-        layers().size());
+    failRequest("{}: a trace records the texture cache of one channel, {}", path, notOneChannel());
   session->recordTo(nullptr);
   if (trace != nullptr) trace->finish();
   trace.reset();

@@ -162,6 +162,8 @@ struct Scene : Layer {
   // The layers, the first one included.
   std::vector<const Layer*> layers() const;
   std::vector<Layer*> layers();
+  // "not 3; give one --channel", for messages about several layers.
+  std::string notOneChannel() const;
   // The options of a layer's frames, of those that setOptions() got.
   FrameOptions optionsOf(const Layer& layer, const FrameOptions& options) const;
 

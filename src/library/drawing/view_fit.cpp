@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "src/classify/blocks/visible_cells.h"
+#include "src/library/drawing/shared_world.h"
 
 namespace sluice {
 namespace {
@@ -46,16 +47,17 @@ Fit fitOf(const std::vector<Camera>& cameras, FitChoice choice) {
 
 std::vector<Vec3d> visiblePoints(const FitRequest& request, const IndexPass& pass) {
   std::vector<Vec3d> points;
+  const VolumeLayout& first = request.volumes.front().volume.source->layout();
   for (const FittedVolume& fitted : request.volumes) {
     const VolumeLayout& layout = fitted.volume.source->layout();
+    const std::optional<Box3> crop = cropOn(layout, first, request.frame.crop);
     VisibleHull hull(layout);
     for (int64_t time = 0; time < layout.time_steps; ++time) {
       if (request.this_step && time != fitted.step.time) continue;
       hull.add(shownCells(fitted.volume, valuesOfStep(fitted.volume, time, pass), fitted.transfer,
-                          cropCells(request.frame, layout.dims)));
+                          cropCells(crop, layout.dims)));
     }
-    const std::vector<Vec3d> more = hull.points();
-    points.insert(points.end(), more.begin(), more.end());
+    for (const Vec3d& point : hull.points()) points.push_back(positionOn(first, layout, point));
   }
   return points;
 }

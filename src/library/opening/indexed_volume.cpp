@@ -198,8 +198,8 @@ ValueRange IndexedVolume::finiteRange() const {
 }
 
 ChosenLook lookFor(const IndexedVolume& volume, const LookArguments& look, Mode mode) {
-  return chooseLook(volume.source->layout(), volume.values, lookOfChannel(look, volume.channel),
-                    mode);
+  return chooseLook(volume.source->layout(), volume.values,
+                    knownLookOfChannel(look, volume.channel, volume.values.counts), mode);
 }
 
 }  // namespace sluice

@@ -10,8 +10,10 @@
 #include "src/base/error.h"
 #include "src/base/files/shell_word.h"
 #include "src/base/looks/color_word.h"
+#include "src/classify/transfer/automatic_look.h"
 #include "src/classify/transfer/color_maps.h"
 #include "src/classify/transfer/transfer_makers.h"
+#include "src/library/drawing/shared_world.h"
 #include "src/library/opening/checked_source.h"
 #include "src/library/opening/indexed_volume.h"
 
@@ -21,6 +23,9 @@ namespace {
 // Colours that people of any colour vision tell apart come first, and two of them add up to white.
 constexpr std::array<const char*, kMostChannels> kUsualColors = {
     "00ff00", "ff00ff", "00ffff", "ffff00", "ff0000", "0000ff", "ff8000", "ffffff"};
+
+// The map of a volume over another one: it begins with black, which adds nothing.
+constexpr const char* kOverMap = "hot";
 
 // Black adds nothing.
 bool isSeen(const std::optional<std::array<double, 3>>& color) {
@@ -60,7 +65,7 @@ std::vector<int64_t> activeChannels(const VolumeSource& source) {
 const ChannelLook* ownLook(const LookArguments& asked, const ShownChannel& channel) {
   const auto found = std::find_if(
       asked.channels.rbegin(), asked.channels.rend(),  // the last one counts
-      [&](const ChannelLook& look) { return isLookOf(look, channel.number, channel.name); });
+      [&](const ChannelLook& look) { return isLookOf(look, channel.id(), channel.name); });
   return found == asked.channels.rend() ? nullptr : &*found;
 }
 
@@ -70,7 +75,12 @@ bool hasOpacities(const LookArguments& look) {
 
 }  // namespace
 
+std::string ShownChannel::id() const {
+  return is_over ? std::string(kOver) : fmt::format("{}", number);
+}
+
 std::string ShownChannel::title() const {
+  if (is_over) return fmt::format("the volume over it ({})", name);
   return name.empty() ? fmt::format("channel {}", number)
                       : fmt::format("channel {} ({})", number, name);
 }
@@ -78,10 +88,13 @@ std::string ShownChannel::title() const {
 ChannelSource openChannel(const VolumeArguments& arguments) {
   ChannelSource opened{openSource(arguments), {}};
   opened.channel = shownChannel(*opened.source, opened.source->layout().channel, 0);
+  opened.arguments = arguments;
   return opened;
 }
 
-std::vector<ChannelSource> openChannels(const VolumeArguments& arguments) {
+namespace {
+
+std::vector<ChannelSource> openOwnChannels(const VolumeArguments& arguments) {
   const ChannelWish& wish = arguments.open.channel;
   VolumeArguments first = arguments;
   const bool is_list = !wish.number && wish.name.find(',') != std::string::npos;
@@ -97,7 +110,8 @@ std::vector<ChannelSource> openChannels(const VolumeArguments& arguments) {
   for (const int64_t number : numbers) {
     ShownChannel shown = shownChannel(*source, number, channels.size());
     shown.is_alone = numbers.size() == 1;
-    channels.push_back({nullptr, std::move(shown)});
+    channels.push_back({nullptr, std::move(shown), arguments});
+    channels.back().arguments.open.channel = ChannelWish(number);
   }
   // The first source serves if it reads the channel and has no note about the choice.
   if (numbers.size() == 1 && numbers.front() == source->layout().channel && !is_list) {
@@ -105,19 +119,96 @@ std::vector<ChannelSource> openChannels(const VolumeArguments& arguments) {
     return channels;
   }
   source.reset();
-  for (ChannelSource& channel : channels) {
-    VolumeArguments one = arguments;
-    one.open.channel = ChannelWish(channel.channel.number);
-    channel.source = openSource(one);
-  }
+  for (ChannelSource& channel : channels) channel.source = openSource(channel.arguments);
   return channels;
 }
+
+// The options that say how to read the first volume's file do not count for the other one.
+VolumeArguments overArguments(const VolumeArguments& arguments) {
+  VolumeArguments over{.inputs = {arguments.over}};
+  over.open.chunk_cache_bytes = arguments.open.chunk_cache_bytes;
+  over.open.web = arguments.open.web;
+  over.open.decode = arguments.open.decode;
+  over.open.stop = arguments.open.stop;
+  return over;
+}
+
+// The volumes' boxes in the first one's world do not meet: one of them may lack its place.
+std::string apartNote(const VolumeLayout& over, const VolumeLayout& first,
+                      const std::string& name) {
+  if (cropOn(over, first, boxOf(first.dims)) != Box3{}) return "";
+  return fmt::format("{}: lies beside {} in the world, by the places that the files give them", name,
+                     first.name);
+}
+
+ChannelSource openOver(const VolumeArguments& arguments, const VolumeLayout& first) {
+  ChannelSource over = openChannel(overArguments(arguments));
+  const VolumeLayout& layout = over.source->layout();
+  if (layout.time_steps != 1 && layout.time_steps != first.time_steps)
+    failRequest("{}: {} time steps, and {} has {}: a volume over another one has as many, or one",
+                withoutSecrets(arguments.over), layout.time_steps, first.name, first.time_steps);
+  if (layout.time_steps > 1) over.arguments.time = arguments.time;
+  over.channel.is_over = true;
+  over.channel.is_alone = false;
+  over.channel.name = layout.name;
+  const auto looks = channelLooks(*over.source);
+  const auto at = static_cast<size_t>(over.channel.number);
+  if (at >= looks.size() || !isSeen(looks[at].color)) over.channel.color.clear();
+  over.note = apartNote(layout, first, withoutSecrets(arguments.over));
+  return over;
+}
+
+}  // namespace
+
+std::vector<ChannelSource> openChannels(const VolumeArguments& arguments) {
+  std::vector<ChannelSource> channels = openOwnChannels(arguments);
+  if (!arguments.over.empty())
+    channels.push_back(openOver(arguments, channels.front().source->layout()));
+  return channels;
+}
+
+namespace {
+
+// What `asked` says of the volume over the first one, but for its own look.
+LookArguments sharedWithOver(const LookArguments& asked) {
+  LookArguments look;
+  look.this_step = asked.this_step;
+  look.whole_series = asked.whole_series;
+  look.first_picture = asked.first_picture;
+  look.attenuation = asked.attenuation;
+  look.shade = asked.shade;
+  look.stop = asked.stop;
+  return look;
+}
+
+// A look's map may be "labels", or the file of a table of labels.
+bool isLabelTable(std::string_view map) {
+  return map.find_first_of("./") != std::string_view::npos;
+}
+bool asksForLabels(const ChannelLook& look) {
+  return look.map == kLabelsMap || isLabelTable(look.map);
+}
+
+LookArguments labelsOfChannel(LookArguments look, const ChannelLook& own) {
+  look.threshold.reset();
+  look.transfer_file.clear();
+  look.opacities.clear();
+  look.map.clear();
+  look.labels = true;
+  if (isLabelTable(own.map)) look.label_table = own.map;
+  look.opacity = own.opacity.value_or(kDefaultOpacity);
+  return look;
+}
+
+}  // namespace
 
 LookArguments lookOfChannel(const LookArguments& asked, const ShownChannel& channel) {
   const ChannelLook* const own = ownLook(asked, channel);
   if (channel.is_alone && own == nullptr) return asked;
-  LookArguments look = asked;
+  LookArguments look = channel.is_over ? sharedWithOver(asked) : asked;
   look.channels.clear();
+  if (!look.shade) look.no_shade = true;
+  if (own != nullptr && asksForLabels(*own)) return labelsOfChannel(std::move(look), *own);
   const bool is_own_map = own != nullptr && !own->map.empty();
   if (is_own_map) {
     requireColorMap(own->map, "--look " + channelLookText(*own));
@@ -132,23 +223,46 @@ LookArguments lookOfChannel(const LookArguments& asked, const ShownChannel& chan
     const auto [lo, hi] = std::minmax(look.range->lo, look.range->hi);
     look.opacities = {{lo, 0}, {hi, look.opacity.value_or(kDefaultOpacity)}};
   }
-  if (!look.shade) look.no_shade = true;
   return look;
 }
 
-std::string lookOptions(const LookArguments& asked, const std::vector<const ShownChannel*>& shown) {
+LookArguments knownLookOfChannel(const LookArguments& asked, const ShownChannel& channel,
+                                 const ValueCounts& counts) {
+  LookArguments look = lookOfChannel(asked, channel);
+  if (!channel.is_over || !look.map.empty() || look.labels) return look;
+  if (hasOpacities(look) || !areLabels(counts)) {
+    look.map = kOverMap;
+    return look;
+  }
+  return labelsOfChannel(std::move(look), {.channel = channel.id(), .opacity = look.opacity});
+}
+
+namespace {
+
+// " --look 0:green,400:3000".
+std::string lookOption(const LookArguments& asked, const ShownChannel& channel) {
+  const LookArguments look = lookOfChannel(asked, channel);
+  ChannelLook own{.channel = channel.id(), .map = look.map};
+  if (look.labels) own.map = look.label_table.empty() ? kLabelsMap : look.label_table;
+  own.range = look.range;
+  own.opacity = look.opacity;
+  if (look.range && !hasOpacities(channel.is_over ? LookArguments() : asked))
+    own.opacity = look.opacity.value_or(kDefaultOpacity);
+  return " --look " + shellWord(channelLookText(own));
+}
+
+}  // namespace
+
+std::string lookOptions(const LookArguments& asked, const std::vector<const ShownChannel*>& shown,
+                        const std::string& first_options) {
   std::string channels, looks;
   for (const ShownChannel* channel : shown) {
-    const LookArguments look = lookOfChannel(asked, *channel);
-    ChannelLook own{.channel = fmt::format("{}", channel->number), .map = look.map};
-    own.range = look.range;
-    if (look.range && !hasOpacities(asked))
-      own.opacity = look.opacity.value_or(kDefaultOpacity);
-    else
-      own.opacity = look.opacity;
-    channels += fmt::format("{}{}", channels.empty() ? "" : ",", channel->number);
-    looks += " --look " + shellWord(channelLookText(own));
+    const bool is_plain = channel->is_alone && ownLook(asked, *channel) == nullptr;
+    if (!is_plain) looks += lookOption(asked, *channel);
+    if (!channel->is_over) channels += (channels.empty() ? "" : ",") + channel->id();
   }
+  const ShownChannel& first = *shown.front();
+  if (first.is_alone && ownLook(asked, first) == nullptr) return first_options + looks;
   std::string text = "--channel " + channels;
   if (asked.threshold) text += fmt::format(" --threshold {}", *asked.threshold);
   if (!asked.transfer_file.empty()) text += " --transfer " + shellWord(asked.transfer_file);
@@ -166,11 +280,12 @@ std::string lookOptions(const LookArguments& asked, const std::vector<const Show
 }
 
 void requireShown(const LookArguments& asked, const std::vector<const ShownChannel*>& shown) {
-  if (!asked.surfaces.empty() && shown.size() > 1)
-    failRequest("--iso draws surfaces of one channel, not of {}; give one --channel", shown.size());
+  const auto own = std::ranges::count(shown, false, &ShownChannel::is_over);
+  if (!asked.surfaces.empty() && own > 1)
+    failRequest("--iso draws surfaces of one channel, not of {}; give one --channel", own);
   for (const ChannelLook& look : asked.channels) {
     const bool is_shown = std::ranges::any_of(shown, [&](const ShownChannel* channel) {
-      return isLookOf(look, channel->number, channel->name);
+      return isLookOf(look, channel->id(), channel->name);
     });
     if (is_shown) continue;
     std::string list;
@@ -178,6 +293,13 @@ void requireShown(const LookArguments& asked, const std::vector<const ShownChann
     failRequest("--look {}: that channel is not shown; the picture shows {}", channelLookText(look),
                 list);
   }
+}
+
+std::string notOne(size_t channels, const ShownChannel& last) {
+  std::string line = fmt::format("not {}; ", channels);
+  if (channels > 2 || !last.is_over) line += "give one --channel";
+  if (last.is_over) line += channels > 2 ? " and leave out --over" : "leave out --over";
+  return line;
 }
 
 }  // namespace sluice

@@ -8,21 +8,26 @@
 #include <string>
 #include <vector>
 
+#include "src/base/values/value_counts.h"
 #include "src/base/values/volume_channels.h"
 #include "src/library/requests.h"
 
 namespace sluice {
 
-// A channel that a picture shows. A plain value; the default is a volume of one channel.
+// A channel that a picture shows, or the volume that it shows over the first one. A plain value;
+// the default is a volume of one channel.
 struct ShownChannel {
   int64_t number = 0;
-  std::string name = {};                  // as the file has it; may be empty
+  bool is_over = false;                   // of VolumeArguments::over
+  std::string name = {};                  // as the file has it, or the file's; may be empty
   std::string color = {};                 // a colour of --map: the file's, or a usual one
   std::optional<ValueRange> window = {};  // values that the file shows dark and bright
   // The only one of the picture: it looks like a volume of one channel, unless a look names it.
   bool is_alone = true;
 
-  // "channel 1 (GFP)".
+  // "1", or kOver.
+  std::string id() const;
+  // "channel 1 (GFP)", "the volume over it (seg.nii.gz)".
   std::string title() const;
 };
 
@@ -30,22 +35,35 @@ struct ShownChannel {
 struct ChannelSource {
   std::unique_ptr<VolumeSource> source;
   ShownChannel channel;
+  VolumeArguments arguments = {};  // that open it again
+  std::string note = {};           // for people, one line; may be empty
 };
 
 // Opens the volume for what reads one channel: the one of --channel, or the first. Throws as
 // openSource() does.
 ChannelSource openChannel(const VolumeArguments& arguments);
 // Opens the volume once for each channel that pictures show: those of --channel; else the active
-// ones of a file that says how its channels look, at most kMostChannels; else the first. Throws as
-// openSource() does, and Error for channels that the volume does not have.
+// ones of a file that says how its channels look, at most kMostChannels; else the first. The last
+// one is the first channel of the volume over it, if there is one. Throws as openSource() does, and
+// Error for channels that the volume does not have, or a volume over it of other time steps.
 std::vector<ChannelSource> openChannels(const VolumeArguments& arguments);
 
 // The look of a channel: what its own look among `asked.channels` says, then what `asked` says of
 // all channels, then what the file says. Colours that rise over a range without other opacities
-// have a ramp of opacity over the same range; light is off unless asked for.
+// have a ramp of opacity over the same range; light is off unless asked for. For the volume over
+// the first one, only its own look counts.
 LookArguments lookOfChannel(const LookArguments& asked, const ShownChannel& channel);
-// The options that give the looks of these channels together again.
-std::string lookOptions(const LookArguments& asked, const std::vector<const ShownChannel*>& shown);
+// The same once the values are known: a volume over another one whose values are labels is drawn as
+// such unless a look or its file gives it a colour.
+LookArguments knownLookOfChannel(const LookArguments& asked, const ShownChannel& channel,
+                                 const ValueCounts& counts);
+// The options that give the looks of these channels together again; `first_options` are those of
+// the first one, if it looks like a volume of one channel.
+std::string lookOptions(const LookArguments& asked, const std::vector<const ShownChannel*>& shown,
+                        const std::string& first_options);
+// "not 3; give one --channel": the end of a message that so many channels are shown. `last`: of
+// them.
+std::string notOne(size_t channels, const ShownChannel& last);
 // Throws Error for a look of a channel that is not shown.
 void requireShown(const LookArguments& asked, const std::vector<const ShownChannel*>& shown);
 

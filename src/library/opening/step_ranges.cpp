@@ -103,7 +103,8 @@ IndexedRanges rangesOfStep(const IndexedVolume& volume, int64_t time, const Inde
 
 TimeStep stepOfSeries(const IndexedVolume& volume, int64_t time, const IndexPass& pass) {
   TimeStep step = volume.step();
-  if (time == volume.time) return step;
+  // A volume over a series may have one step, which all pictures show.
+  if (time == volume.time || volume.source->layout().time_steps == 1) return step;
   step.time = time;
   auto ranges = std::make_shared<SliceRanges>(rangesOfStep(volume, time, pass).ranges);
   ranges->device_range = volume.index->ranges.device_range;

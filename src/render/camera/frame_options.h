@@ -26,6 +26,8 @@ struct WorldPlane {
   double offset = 0;
 };
 
+inline constexpr size_t kMostAskedPlanes = 6;
+
 // The boxes that are drawn of a texture block: its object box, or the visible ones of its growing
 // boxes (Li 2003), which hold fewer empty cells. The picture is the same.
 enum class Partition { kBlocks, kBoxes };
@@ -53,6 +55,8 @@ struct FrameOptions {
   // World positions whose hull holds what the transfer function shows, for pictures whose colours
   // depend on depth. Null or none: the corners that the clip planes leave of cropCells().
   std::shared_ptr<const std::vector<Vec3d>> shown_points = {};
+  // The depths that such colours span, in place of those that follow from the points.
+  std::optional<std::array<double, 2>> shown_depths = {};
   std::optional<CutOptions> cut;  // unset: the finest level alone is drawn
   std::optional<Box3> crop;       // voxels; the part between its outer voxel planes is shown
   std::vector<WorldPlane> clip_planes;
@@ -111,11 +115,14 @@ inline bool colorsByDepth(const FrameOptions& options) {
   return traits.codes_depth || (traits.has_colors && options.depth_cueing > 0);
 }
 
-// The cells that options.crop lets show: those between its outer voxel planes.
-inline Box3 cropCells(const FrameOptions& options, Vec3i dims) {
+// The cells that a crop lets show: those between its outer voxel planes.
+inline Box3 cropCells(const std::optional<Box3>& crop, Vec3i dims) {
   const Box3 all = boxOf(dims - Vec3i{1, 1, 1});
-  if (!options.crop) return all;
-  return intersect({options.crop->lo, options.crop->hi - Vec3i{1, 1, 1}}, all);
+  if (!crop) return all;
+  return intersect({crop->lo, crop->hi - Vec3i{1, 1, 1}}, all);
+}
+inline Box3 cropCells(const FrameOptions& options, Vec3i dims) {
+  return cropCells(options.crop, dims);
 }
 
 }  // namespace sluice

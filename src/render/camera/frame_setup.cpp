@@ -197,6 +197,7 @@ double longestStep(const View& view, const VolumeLayout& layout) {
 
 std::array<double, 2> shownDepths(const View& view, const VolumeLayout& layout,
                                   const FrameOptions& options) {
+  if (options.shown_depths) return *options.shown_depths;
   const auto corners =
       depthsOf(viewSetup(view, layout, options.clip_planes), cropCells(options, layout.dims));
   if (options.shown_points == nullptr) return corners;

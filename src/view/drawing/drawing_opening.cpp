@@ -78,7 +78,7 @@ void DrawingJobs::openVolume(OpenJob task, const Job& job) {
   // Its index goes to the first one's folder.
   if (next.viewed.options.index_folder.empty())
     next.viewed.options.index_folder = options_.index_folder;
-  if (options_.web_of) next.viewed.options.web = options_.web_of(next.viewed.paths);
+  if (options_.web_of) next.viewed.options.web = options_.web_of(namesOf(next.viewed));
   // A window is there before its volume, and does not wait for a pass over all voxels.
   VolumeOptions how = next.viewed.options;
   how.opens_soon = true;

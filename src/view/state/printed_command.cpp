@@ -100,6 +100,7 @@ std::vector<OptionWord> volumeWords(const VolumeOptions& options) {
   if (options.channel) words.emplace_back("--channel", fmt::format("{}", *options.channel));
   if (!options.channel && !options.channel_name.empty())
     words.emplace_back("--channel", options.channel_name);
+  if (!options.over.empty()) words.emplace_back("--over", asOperand(options.over));
   return words;
 }
 

@@ -47,6 +47,7 @@ json volumeJson(const ViewedVolume& volume) {
     made["channel"] = *options.channel;
   else if (!options.channel_name.empty())
     made["channel"] = options.channel_name;
+  if (!options.over.empty()) made["over"] = fileNameJson(absolutePath(options.over));
   return made;
 }
 
@@ -103,8 +104,8 @@ int64_t wholeFrom(int64_t least, const JsonField& field) {
 }
 
 ViewedVolume volumeOf(const JsonField& field) {
-  field.allowOnly(
-      {"paths", "dims", "type", "big_endian", "skip", "time_steps", "spacing", "grid", "channel"});
+  field.allowOnly({"paths", "dims", "type", "big_endian", "skip", "time_steps", "spacing", "grid",
+                   "channel", "over"});
   ViewedVolume volume;
   const JsonField paths = field.require("paths");
   if (!paths.isArray() || paths.size() == 0) paths.failExpected("a list of files");
@@ -129,6 +130,7 @@ ViewedVolume volumeOf(const JsonField& field) {
     else
       options.channel = wholeFrom(0, *f);
   }
+  if (const auto f = field.find("over")) options.over = fileNameOf(*f);
   return volume;
 }
 

@@ -36,6 +36,12 @@ struct ViewedVolume {
   std::vector<std::string> paths;
   VolumeOptions options;
 };
+// All files and addresses that it is read from.
+inline std::vector<std::string> namesOf(const ViewedVolume& volume) {
+  std::vector<std::string> names = volume.paths;
+  if (!volume.options.over.empty()) names.push_back(volume.options.over);
+  return names;
+}
 
 inline PictureOptions pictureOf(const ViewState& state, int width, int height) {
   PictureOptions picture;

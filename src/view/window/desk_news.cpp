@@ -34,7 +34,7 @@ void keepRecent(WindowState& window) {
   const ViewedVolume& volume = window.volume.news->volume;
   const VolumeOptions& said = volume.options;
   if (volume.paths.size() != 1 || said.dims || !said.type.empty() || !said.grid.empty() ||
-      said.channel || !said.channel_name.empty())
+      said.channel || !said.channel_name.empty() || !said.over.empty())
     return;
   std::string recent = volume.paths.front();
   std::error_code unknown;

@@ -1,0 +1,127 @@
+#include "src/library/drawing/shared_world.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "io/files/length_unit.h"
+#include "src/render/camera/frame_setup.h"
+#include "src/render/camera/index_space.h"
+
+namespace sluice {
+namespace {
+
+// RAS and LPS differ in the signs of x and y. Of other pairs nothing is known.
+bool areTurned(const VolumeLayout& a, const VolumeLayout& b) {
+  return (a.frame == WorldFrame::kRas && b.frame == WorldFrame::kLps) ||
+         (a.frame == WorldFrame::kLps && b.frame == WorldFrame::kRas);
+}
+
+// The planes through the outer voxels of the crop.
+std::vector<WorldPlane> sidesOf(const VolumeLayout& layout, const Box3& crop) {
+  std::vector<WorldPlane> sides;
+  for (int a = 0; a < 3; ++a) {
+    const auto at = static_cast<size_t>(a);
+    const Vec3d normal =
+        normalized(cross(layout.axes[(at + 1) % 3], layout.axes[(at + 2) % 3]));
+    const Vec3d outward = dot(normal, layout.axes[at]) > 0 ? normal : -normal;
+    const Vec3d lo = worldFromIndex(layout, toDouble(crop.lo)),
+                hi = worldFromIndex(layout, toDouble(crop.hi - Vec3i{1, 1, 1}));
+    sides.push_back({outward, dot(outward, hi)});
+    sides.push_back({-outward, -dot(outward, lo)});
+  }
+  return sides;
+}
+
+}  // namespace
+
+bool isSameGrid(const VolumeLayout& a, const VolumeLayout& b) {
+  return a.dims == b.dims && a.spacing == b.spacing && a.origin == b.origin && a.axes == b.axes &&
+         !areTurned(a, b) && worldScale(a, b) == 1;
+}
+
+double worldScale(const VolumeLayout& from, const VolumeLayout& to) {
+  const auto unit = metersOf(from.unit), other = metersOf(to.unit);
+  return unit && other ? *unit / *other : 1;
+}
+
+Vec3d directionOn(const VolumeLayout& to, const VolumeLayout& from, Vec3d world) {
+  return areTurned(from, to) ? Vec3d{-world.x, -world.y, world.z} : world;
+}
+
+Vec3d positionOn(const VolumeLayout& to, const VolumeLayout& from, Vec3d world) {
+  return directionOn(to, from, world) * worldScale(from, to);
+}
+
+Camera cameraOn(const VolumeLayout& to, const VolumeLayout& from, const Camera& camera,
+                PictureSize size) {
+  const View view = resolve(camera, from, size, 1);
+  Camera placed = camera;
+  placed.framing.reset();
+  const Vec3d eye = positionOn(to, from, view.eye);
+  // Far enough away for the direction not to be rounded.
+  const double ahead = std::max(length(eye), finestSpacing(to));
+  placed.look_at = Camera::LookAt{eye, eye + directionOn(to, from, view.forward) * ahead};
+  placed.up = directionOn(to, from, view.up);
+  placed.zoom = 1;
+  const double units = camera.projection == Projection::kOrtho ? worldScale(from, to) : 1;
+  placed.zoom = resolve(placed, to, size, 1).half_height / (view.half_height * units);
+  return placed;
+}
+
+std::optional<Box3> cropOn(const VolumeLayout& to, const VolumeLayout& from,
+                           const std::optional<Box3>& crop) {
+  if (!crop || isSameGrid(to, from)) return crop;
+  const double far = std::numeric_limits<double>::infinity();
+  Vec3d lo{far, far, far}, hi = -lo;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Vec3i outer = crop->hi - Vec3i{1, 1, 1};
+    const Vec3i voxel{(corner & 1) != 0 ? outer.x : crop->lo.x,
+                      (corner & 2) != 0 ? outer.y : crop->lo.y,
+                      (corner & 4) != 0 ? outer.z : crop->lo.z};
+    const Vec3d index =
+        indexFromWorld(to, positionOn(to, from, worldFromIndex(from, toDouble(voxel))));
+    lo = min(lo, index);
+    hi = max(hi, index);
+  }
+  // Sides that lie on a voxel plane are rounded to either side of it.
+  constexpr double kRounding = 1e-6;
+  Box3 box;
+  for (int a = 0; a < 3; ++a) {
+    const auto most = static_cast<double>(to.dims[a]);
+    box.lo[a] = static_cast<int64_t>(std::floor(std::clamp(lo[a] + kRounding, 0.0, most)));
+    box.hi[a] = static_cast<int64_t>(std::ceil(std::clamp(hi[a] - kRounding, -1.0, most - 1))) + 1;
+  }
+  return box.empty() ? Box3{} : box;
+}
+
+double stepOn(const VolumeLayout& from, const VolumeLayout& to, double step_vox) {
+  return step_vox * finestSpacing(to) / (finestSpacing(from) * worldScale(from, to));
+}
+
+FrameOptions frameOn(const VolumeLayout& to, const VolumeLayout& from, const FrameOptions& frame) {
+  if (isSameGrid(to, from)) return frame;
+  FrameOptions own = frame;
+  own.camera = cameraOn(to, from, frame.camera, frame.size);
+  own.step_vox = stepOn(to, from, frame.step_vox);
+  std::vector<WorldPlane> planes = frame.clip_planes;
+  if (frame.crop)
+    for (const WorldPlane& side : sidesOf(from, *frame.crop)) planes.push_back(side);
+  for (WorldPlane& plane : planes)
+    plane = {directionOn(to, from, plane.normal), plane.offset * worldScale(from, to)};
+  own.clip_planes = std::move(planes);
+  own.crop = cropOn(to, from, frame.crop);
+  if (own.cut) own.cut->level.reset();
+  if (colorsByDepth(frame)) {
+    const View view = resolve(frame.camera, from, frame.size, frame.step_vox);
+    const auto [near, far] = shownDepths(view, from, frame);
+    const double units = worldScale(from, to);
+    own.shown_depths = std::array{near * units, far * units};
+  }
+  return own;
+}
+
+}  // namespace sluice

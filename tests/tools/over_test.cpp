@@ -1,0 +1,139 @@
+// --over: two volumes in one picture, each at its place in the world. NumPy writes the same spot
+// on grids, in axes and in units that differ, so that the pictures must not.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <sstream>
+
+#include "tests/tools/program.h"
+
+namespace sluice {
+namespace {
+
+using testing::HasSubstr;
+
+class Over : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (runCommand("/usr/bin/python3 -c 'import numpy, PIL'").status != 0)
+      GTEST_SKIP() << "python3 with numpy and pil is missing";
+    ASSERT_EQ(python("write"), "");
+  }
+  std::string python(const std::string& arguments) const {
+    return runCommand("cd " + shellQuoted(program_.folder.path().string()) +
+                      " && /usr/bin/python3 " SLUICE_TEST_DIR "/tools/over.py " + arguments)
+        .output;
+  }
+  // The largest difference of two pictures that show something, or of one and the sum of others.
+  int difference(const std::string& first, const std::string& second,
+                 const std::string& third = "") const {
+    std::istringstream line(python("compare " + first + " " + second + " " + third));
+    int most = -1, brightest = 0;
+    line >> most >> brightest;
+    EXPECT_GT(brightest, 60) << first;
+    return most;
+  }
+  std::string render(const std::string& arguments) const {
+    const CommandResult result =
+        program_.run("render --force --size 160x140 --background 000000 " + arguments);
+    EXPECT_EQ(result.status, 0) << arguments << "\n" << result.output;
+    return result.output;
+  }
+
+  const Program program_;
+};
+
+constexpr const char* kSide = " --view front --azimuth 30 --elevation 20";
+
+TEST_F(Over, gridAxesAndUnitsOfTheSecondVolumeMakeNoDifference) {
+  // A crop and planes have other places on the second volume's grid, depths another unit.
+  const std::string side = kSide;
+  for (const std::string& options :
+       {side, side + " --projection perspective", side + " --fit volume --zoom 1.7",
+        side + " --crop 5,5,15,40,30,35",
+        side + " --crop 5,5,15,40,30,35 --clip 1,0.2,0,90 --clip 0,0,-1,-40",
+        side + " --depth-cueing", side + " --mode mip", side + " --mode depth-mip",
+        side + " --step 0.3", std::string("--eye 60,-200,80 --target 60,30,60 --zoom 2"),
+        std::string("--eye 60,-200,80 --target 60,30,60 --projection perspective")}) {
+    SCOPED_TRACE(options);
+    for (const char* over : {"spot", "turned"})
+      render(fmt::format("scan.nrrd --over {0}.nrrd -o {0}.png {1}", over, options));
+    render("scan.nrrd -o alone.png " + options);
+    EXPECT_LE(difference("spot.png", "turned.png"), 1);
+    EXPECT_GT(difference("spot.png", "alone.png"), 20);
+  }
+}
+
+TEST_F(Over, isTheSumOfBothOnEachDevice) {
+  const std::string scan = "scan.nrrd --map plaster --range 0,255 --opacities 10:0,255:0.1";
+  for (const char* device : {"--device cpu", "--device gl --gl osmesa"}) {
+    const std::string common =
+        fmt::format(" {} {} --fit volume --step 0.5 --no-shade -o ", device, kSide);
+    if (program_.run("render spot.nrrd --size 9x9 --force " + common + "try.png").status != 0)
+      GTEST_SKIP() << "no software OpenGL";
+    EXPECT_THAT(render(scan + " --over turned.nrrd --look over:green,20:200,0.3 --verify" + common +
+                       "both.png"),
+                HasSubstr("0 pixels above 1/255"));
+    render(scan + common + "scan.png");
+    render("spot.nrrd --map green --range 20,200 --opacities 20:0,200:0.3" + common + "spot.png");
+    // Each of the pictures is rounded.
+    EXPECT_LE(difference("both.png", "scan.png", "spot.png"), 2) << device;
+  }
+}
+
+TEST_F(Over, labelsHaveTheirColours) {
+  // Automatically, by a look, and by a table.
+  const std::string common = "spot.nrrd --opacities 250:0,255:0 --over labels.nrrd --view left ";
+  EXPECT_THAT(render(common + "-o found.png"), HasSubstr("--look over:"));
+  render(common + "--look over:labels -o asked.png");
+  EXPECT_LE(difference("found.png", "asked.png"), 0);
+  render(common + "--look over:table.txt,1 -o table.png");
+  EXPECT_EQ(python("hues table.png"), "3\n");
+  EXPECT_EQ(python("hues asked.png"), "0\n");
+}
+
+TEST_F(Over, saysWhatDoesNotFit) {
+  EXPECT_THAT(render("scan.nrrd --over apart.nrrd -o apart.png"),
+              HasSubstr("apart.nrrd: lies beside scan.nrrd in the world"));
+  struct Case {
+    const char *arguments, *message;
+  };
+  for (const Case& c :
+       {Case{"--over missing.nrrd", "missing.nrrd: "},
+        Case{"--over steps.nrrd", "steps.nrrd: 2 time steps, and scan.nrrd has 1: a volume over "
+                                  "another one has as many, or one"},
+        Case{"--over spot.nrrd --progressive",
+             "--progressive shows one channel, not 2; leave out --over"},
+        Case{"--over spot.nrrd --trace t.trace",
+             "a trace records the texture cache of one channel, not 2; leave out --over"},
+        Case{"--look over:green", "--look over:green: that channel is not shown"},
+        Case{"--over spot.nrrd --look over:nocolour", "nocolour"},
+        Case{"--over spot.nrrd --look over:none.txt", "none.txt"}}) {
+    const CommandResult result =
+        program_.run(std::string("render scan.nrrd -o no.png ") + c.arguments);
+    EXPECT_EQ(result.status, 1) << c.arguments;
+    EXPECT_THAT(result.output, HasSubstr(c.message)) << c.arguments;
+  }
+  EXPECT_FALSE(std::filesystem::exists(program_.folder.path() / "no.png"));
+}
+
+TEST_F(Over, aStillVolumeIsShownInEachStepOfASeries) {
+  render("steps.nrrd --over scan.nrrd --time 0:1 -o step%02d.png --fit volume");
+  EXPECT_LE(difference("step00.png", "step01.png"), 0);
+}
+
+TEST_F(Over, planAndReportCountBoth) {
+  render("scan.nrrd --over turned.nrrd -o both.png --report both.json");
+  const CommandResult plan = program_.run("plan scan.nrrd --over turned.nrrd --size 160x140");
+  EXPECT_EQ(plan.status, 0) << plan.output;
+  EXPECT_THAT(plan.output, HasSubstr("the volume over it (turned.nrrd)"));
+  const CommandResult report = runCommand(
+      "/usr/bin/python3 -c 'import json; print([c[\"channel\"] for c in json.load(open(\"" +
+      (program_.folder.path() / "both.json").string() + "\"))[\"channels\"]])'");
+  EXPECT_EQ(report.output, "[0, 'over']\n");
+}
+
+}  // namespace
+}  // namespace sluice
