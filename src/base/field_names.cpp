@@ -26,6 +26,7 @@ constexpr std::array kFields = std::to_array<Rewording>({
     {"--cache", "web.cache_bytes"},
     {"--cache-dir", "web.cache_folder"},
     {"--channel", "channel"},
+    {"--over", "over"},
     {"--clip", "clip_planes"},
     {"--crop", "crop"},
     {"--device", "device"},

@@ -208,7 +208,7 @@ TEST_F(Channels, wrongOnesAreRefusedInOneLine) {
       {"cells.ome.zarr --progressive -o a.png",
        "sluice: cells.ome.zarr: --progressive shows one channel, not 3; give one --channel\n"},
       {"cells.ome.zarr --trace t.csv -o a.png",
-       "sluice: t.csv: a trace records the texture cache of one channel, not of 3; give one "
+       "sluice: t.csv: a trace records the texture cache of one channel, not 3; give one "
        "--channel\n"},
       {"cells.ome.zarr --culling toc -o a.png",
        "sluice: cells.ome.zarr: --culling looks at one channel, not 3; give one --channel\n"}};

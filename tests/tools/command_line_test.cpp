@@ -168,7 +168,7 @@ TEST(CommandLine, noOptionTakesANumberOutsideItsRange) {
     return signed_angles.contains(option) && word == "-1";
   };
   const std::set<std::string> texts = {"FILE", "FILE,...", "DIR.zarr", "DIR"};
-  const std::set<std::string> names = {"--grid", "--unit"};
+  const std::set<std::string> names = {"--grid", "--unit", "--over"};
   const CommandLine line = makeCommandLine();
   size_t tried = 0;
   for (const Place& place : commandsOf(line))

@@ -71,10 +71,11 @@ def write_cells(path):
 
 def make_volumes(folder):
     """What the examples take for granted."""
-    for name in ('bonsai', 'engine'):
+    for name in ('bonsai', 'engine', 'scan', 'labels', 'ct'):
         write_nifti(folder / f'{name}.nii.gz')
     write_cells(folder / 'cells.ome.zarr')
     for line in ('sluice synth shells -q -o head.nrrd --dims 32,32,32',
+                 'sluice synth shells -q -o pet.nrrd --dims 16,16,16',
                  'sluice synth phantom -q -o head_48x48x40_uint8.raw --dims 48,48,40',
                  'sluice synth phantom -q -o head_48x48x48_uint8.raw --dims 48,48,48',
                  'sluice synth mixing -q -o step_###.nrrd --dims 16,16,16 --steps 64',
@@ -82,6 +83,7 @@ def make_volumes(folder):
                  'sluice render head.nrrd -q -o x.png --size 16 --report after.json'):
         made = run(folder, line)
         assert made.returncode == 0, made.stderr
+    (folder / 'atlas.ctbl').write_text('1 one 255 0 0 255\n255 all 0 255 0 255\n')
     for name in ('skin', 'bone'):
         (folder / f'{name}.json').write_text(
             '{"sluice_transfer_function": 1, "map": "grey", "opacities": [[40, 0], [90, 0.5]]}')

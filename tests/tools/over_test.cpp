@@ -102,8 +102,9 @@ TEST_F(Over, saysWhatDoesNotFit) {
   };
   for (const Case& c :
        {Case{"--over missing.nrrd", "missing.nrrd: "},
-        Case{"--over steps.nrrd", "steps.nrrd: 2 time steps, and scan.nrrd has 1: a volume over "
-                                  "another one has as many, or one"},
+        Case{"--over steps.nrrd",
+             "steps.nrrd: 2 time steps, and scan.nrrd has 1: a volume over "
+             "another one has as many, or one"},
         Case{"--over spot.nrrd --progressive",
              "--progressive shows one channel, not 2; leave out --over"},
         Case{"--over spot.nrrd --trace t.trace",

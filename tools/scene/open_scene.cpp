@@ -19,8 +19,8 @@ ProgressWatch indexingLine(const ResourceArguments& resources) {
 
 // Reads or builds the index of a channel. `said`: notes that were printed; the channel's others are
 // printed and added.
-IndexedVolume indexed(ChannelSource opened, const ResourceArguments& resources, const IndexNeeds& needs, WorkerPool& pool,
-                      std::vector<std::string>& said) {
+IndexedVolume indexed(ChannelSource opened, const ResourceArguments& resources,
+                      const IndexNeeds& needs, WorkerPool& pool, std::vector<std::string>& said) {
   ProgressMeter progress(indexingLine(resources));
   IndexedVolume volume = indexVolume(std::move(opened.source), opened.arguments, resources, needs,
                                      indexWish(resources.index_dir),

@@ -87,8 +87,7 @@ Series::Series(Scene& scene, const CullingArguments& culling, const ResourceArgu
     : scene_(scene), frame_(frame), is_auto_(culling.culling == Culling::kAuto) {
   if (scene.share) scene.share->dealEachPicture(scene.volume.source->layout().time_steps > 1);
   if (culling.culling != Culling::kNone && !scene.more.empty())
-    failRequest("{}: --culling looks at one channel, {}", scene.volume.name,
-                scene.notOneChannel());
+    failRequest("{}: --culling looks at one channel, {}", scene.volume.name, scene.notOneChannel());
   if (is_auto_ && scene.share)
     failRequest("--culling auto measures one process; give ranks --culling toc or none");
   if (culling.culling != Culling::kNone)

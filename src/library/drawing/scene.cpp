@@ -195,8 +195,7 @@ FrameOptions Scene::optionsOf(const Layer& layer, const FrameOptions& options) c
   // A session that is opened before its pictures have a size has no view yet.
   const bool has_view = options.size.width > 0 && options.size.height > 0;
   const VolumeLayout& layout = layer.volume.source->layout();
-  FrameOptions own =
-      has_view ? frameOn(layout, volume.source->layout(), options) : options;
+  FrameOptions own = has_view ? frameOn(layout, volume.source->layout(), options) : options;
   own.shades = layer.look.lit;
   if (look.flat_scale > 0) own.lighting.flat_share *= layer.look.flat_scale / look.flat_scale;
   // Waiting and blocks of a cut are shared out, too.

@@ -25,8 +25,7 @@ std::vector<WorldPlane> sidesOf(const VolumeLayout& layout, const Box3& crop) {
   std::vector<WorldPlane> sides;
   for (int a = 0; a < 3; ++a) {
     const auto at = static_cast<size_t>(a);
-    const Vec3d normal =
-        normalized(cross(layout.axes[(at + 1) % 3], layout.axes[(at + 2) % 3]));
+    const Vec3d normal = normalized(cross(layout.axes[(at + 1) % 3], layout.axes[(at + 2) % 3]));
     const Vec3d outward = dot(normal, layout.axes[at]) > 0 ? normal : -normal;
     const Vec3d lo = worldFromIndex(layout, toDouble(crop.lo)),
                 hi = worldFromIndex(layout, toDouble(crop.hi - Vec3i{1, 1, 1}));

@@ -137,8 +137,8 @@ VolumeArguments overArguments(const VolumeArguments& arguments) {
 std::string apartNote(const VolumeLayout& over, const VolumeLayout& first,
                       const std::string& name) {
   if (cropOn(over, first, boxOf(first.dims)) != Box3{}) return "";
-  return fmt::format("{}: lies beside {} in the world, by the places that the files give them", name,
-                     first.name);
+  return fmt::format("{}: lies beside {} in the world, by the places that the files give them",
+                     name, first.name);
 }
 
 ChannelSource openOver(const VolumeArguments& arguments, const VolumeLayout& first) {

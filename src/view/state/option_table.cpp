@@ -215,9 +215,10 @@ std::vector<OptionEntry> makeTable() {
           10,
           {Form::kChannels},
           "C:COLOR[,LO:HI[,A]]",
-          "Several channels: the colour or map of channel C (or 'labels'), the values over which its "
-          "opacity rises from 0 to A; C is 'over' for --over; may be given for each (what the file "
-          "says, else automatic)"}),
+          "Several channels: the colour or map of channel C, or 'labels', and the values over "
+          "which "
+          "its opacity rises from 0 to A; may be given for each; C is 'over' for the volume of "
+          "--over (what the file says, else automatic)"}),
       in(&Look::surfaces,
          {"surfaces",
           "--iso",
