@@ -14,7 +14,7 @@ constexpr size_t kNamesColumns = 30;  // left column; longer names have a line o
 
 // Commands whose --help is short, and what it leaves out.
 constexpr std::array<std::string_view, 3> kDrawing = {"render", "view", "plan"};
-constexpr std::array<std::string_view, 53> kRare = {
+constexpr std::array<std::string_view, 54> kRare = {
     // how bytes and numbers of a file are taken
     "endian", "skip", "grid", "this-step", "index-dir", "cache", "cache-dir",
     // outputs
@@ -28,8 +28,8 @@ constexpr std::array<std::string_view, 53> kRare = {
     // how a picture is made, with the same result
     "algorithm", "merge", "partition", "occlusion", "culling", "difference", "directions", "part",
     "detail", "basis",
-    // levels of resolution, apart from the pixel error
-    "level", "max-bytes",
+    // levels of resolution in detail
+    "level", "max-bytes", "pixel-error",
     // the texture cache and the machine
     "simd", "gl", "page", "pages", "block", "policy", "seed"};
 
