@@ -20,6 +20,9 @@ struct LookOptions {
   // of its values dimmed by those in front of them; or its greatest value in a colour for its
   // depth.
   enum class Mode { kComposite, kMaximum, kMinimum, kAverage, kAttenuatedMaximum, kDepthMaximum };
+  // Several channels: their pictures added up, as fluorescence adds up, or each sample of a ray
+  // blended of all channels, as one medium: composite mode, channels of one grid, the CPU device.
+  enum class Combine { kAdd, kBlend };
   // Whether light falls on surfaces, by the gradient.
   enum class Light { kChosen, kOn, kOff };
   // The opacity of a value.
@@ -77,6 +80,7 @@ struct LookOptions {
   std::optional<std::array<double, 2>> range = {};  // colours span these; descending: reversed
   // Channels that are not named look as the file says (OME), or by a colour of their own.
   std::vector<Channel> channels = {};
+  Combine combine = Combine::kAdd;
   Light light = Light::kChosen;  // lights surfaces in composite mode; chosen: if it shows more
   // Attenuated maximum: a voxel length of the finest spacing at the greatest value of `range` dims
   // what is behind it by exp(-attenuation), and lesser values in proportion; unset: 0.05.

@@ -46,6 +46,7 @@ class PictureOptions(TypedDict, total=False):
     labels_table: _Path | None
     iso: float | str | Sequence[float | str | tuple[Any, ...]] | None
     look: Sequence[str] | None
+    combine: Literal['add', 'blend'] | None
     map: str | None
     range: Sequence[float] | None
     full_gradient: float | None

@@ -27,6 +27,7 @@ constexpr std::array kFields = std::to_array<Rewording>({
     {"--cache-dir", "web.cache_folder"},
     {"--channel", "channel"},
     {"--over", "over"},
+    {"--combine", "combine"},
     {"--clip", "clip_planes"},
     {"--crop", "crop"},
     {"--device", "device"},

@@ -32,14 +32,8 @@ namespace hn = hwy::HWY_NAMESPACE;
 #include "src/cpu/leaps.inl"
 #include "src/cpu/segments.inl"
 #include "src/cpu/sample_colors.inl"
+#include "src/cpu/pixels.inl"
 // clang-format on
-
-// A packet's pixels while they are drawn.
-struct Pixels {
-  Color sum;
-  V depth_sum;
-  VI taken;
-};
 
 // Turns between two looks for bricks to leap over: few, if the last look found some.
 constexpr float kTurnsAfterLeap = 4, kTurnsBetweenLooks = 8;
@@ -114,21 +108,7 @@ struct Passage {
 
   // Blends the colour at slice k of the box. Whether some lane goes on.
   HWY_INLINE bool add(Color color, M shows, V k, Pixels& pixels) {
-    const V left = hn::IfThenElseZero(shows, hn::Sub(all(1.0F), pixels.sum.a));
-    const V slice = hn::Add(k, first_slice);
-    if (frame.cue_most > 0) {
-      const V dark = hn::MulAdd(slice, all(frame.cue_step), all(frame.cue_start));
-      const V within = hn::Min(hn::Max(dark, hn::Zero(F())), all(frame.cue_most));
-      const V bright = hn::Sub(all(1.0F), within);
-      color = {hn::Mul(color.r, bright), hn::Mul(color.g, bright), hn::Mul(color.b, bright),
-               color.a};
-    }
-    if (frame.with_depth) {
-      const V depth = hn::MulAdd(slice, all(frame.depth_step), all(frame.first_depth));
-      pixels.depth_sum = hn::MulAdd(hn::Mul(left, color.a), depth, pixels.depth_sum);
-    }
-    pixels.sum = {hn::MulAdd(left, color.r, pixels.sum.r), hn::MulAdd(left, color.g, pixels.sum.g),
-                  hn::MulAdd(left, color.b, pixels.sum.b), hn::MulAdd(left, color.a, pixels.sum.a)};
+    layBehind(frame, color, shows, hn::Add(k, first_slice), pixels);
     if (frame.box_opacity <= 1) {
       in_box = hn::MulAdd(hn::Sub(all(1.0F), in_box), hn::IfThenElseZero(shows, color.a), in_box);
       going = hn::And(going, hn::Lt(in_box, all(frame.box_opacity)));
@@ -276,12 +256,6 @@ HWY_INLINE void drawPacket(const KernelFrame& frame, const KernelBox& box,
     passage.go(slices.from, end, box.distances != nullptr, pixels);
 }
 
-// The packet's pixels that still take samples.
-HWY_INLINE M goingOf(const KernelFrame& frame, const TilePixels& tile, int at, V opacity) {
-  const V stopped = hn::Load(F(), tile.stopped + at);
-  return hn::And(hn::Eq(stopped, hn::Zero(F())), hn::Lt(opacity, all(frame.ray_opacity)));
-}
-
 template <DeviceType kType, Shading kShading>
 HWY_NOINLINE void drawBox(const KernelFrame& frame, const KernelBox& box, TilePixels& tile) {
   const auto [x_lo, y_lo, x_hi, y_hi] = packetsOf(box, tile);
@@ -292,28 +266,11 @@ HWY_NOINLINE void drawBox(const KernelFrame& frame, const KernelBox& box, TilePi
       const V opacity = hn::Load(F(), tile.color[3] + at);
       const M going = goingOf(frame, tile, at, opacity);
       if (hn::AllFalse(F(), going)) continue;
-      Pixels pixels{{hn::Load(F(), tile.color[0] + at), hn::Load(F(), tile.color[1] + at),
-                     hn::Load(F(), tile.color[2] + at), opacity},
-                    frame.with_depth ? hn::Load(F(), tile.depth_sum + at) : hn::Zero(F()),
-                    hn::Zero(I())};
+      Pixels pixels = loadPixels(frame, tile, at);
       drawPacket<kType, kShading>(frame, box, positions, packetAt(frame, tile, x, y), going,
                                   pixels);
-      hn::Store(pixels.sum.r, F(), tile.color[0] + at);
-      hn::Store(pixels.sum.g, F(), tile.color[1] + at);
-      hn::Store(pixels.sum.b, F(), tile.color[2] + at);
-      hn::Store(pixels.sum.a, F(), tile.color[3] + at);
-      if (frame.with_depth) hn::Store(pixels.depth_sum, F(), tile.depth_sum + at);
-      if (frame.counts_taken)
-        tile.taken += static_cast<uint64_t>(hn::GetLane(hn::SumOfLanes(I(), pixels.taken)));
+      storePixels(frame, pixels, tile, at);
     }
-}
-
-// Whether no pixel of the tile takes more samples.
-HWY_INLINE bool isThrough(const KernelFrame& frame, const TilePixels& tile) {
-  for (int at = 0; at < kTilePixels; at += kLanes)
-    if (!hn::AllFalse(F(), goingOf(frame, tile, at, hn::Load(F(), tile.color[3] + at))))
-      return false;
-  return true;
 }
 
 template <DeviceType kType>

@@ -85,7 +85,7 @@ void CpuDevice::evict(uint64_t id) {
   const auto found = resident_.find(id);
   SLUICE_CHECK(found != resident_.end());
   if (found->second.is_put_off) drawNow();
-  auto [texels, is_put_off, leaps] = std::move(found->second);
+  auto [texels, is_put_off, leaps, channel] = std::move(found->second);
   resident_.erase(found);
   if (leaps.grid) evicted_[texels.get()] = {texels, std::move(leaps)};
   texels.reset();
@@ -102,18 +102,26 @@ void CpuDevice::beginFrame(const FrameSetup& setup, const StopToken& stop) {
   setup_ = setup;
   stop_ = stop;
   taken_ = 0;
-  if (!look_up_ || look_up_->key != lookUpKey(setup_)) look_up_.emplace(lookUpKey(setup_));
   if (setup_.lit) light_squares_.take(setup_.light, pool_);
-  tables_.emplace(setup_, *look_up_, setup_.lit ? light_squares_.texels() : nullptr);
   leaps_ = setup_.skips && traitsOf(setup_.mode).hides;
-  if (leaps_ && shown_for_ != setup_.look_up) {
-    ShownValues shown = shownValues(*setup_.look_up);
-    if (shown != shown_) ++shown_number_;
-    shown_ = std::move(shown);
-    shown_for_ = setup_.look_up;
-  }
+  const size_t channels = 1 + setup_.others.size();
+  SLUICE_CHECK_LE(channels, kMostBlended);
+  while (looks_.size() < channels) looks_.push_back(std::make_unique<ChannelLook>());
+  takeLook(setup_, *looks_.front());
+  for (size_t i = 1; i < channels; ++i) takeLook(setup_.others[i - 1], *looks_[i]);
   picture_.begin(setup_, kernels_, rowsOfFrame());
-  if (setup_.is_part) parts_.begin(setup_, tables_->frame(), kernels_);
+  if (setup_.is_part) parts_.begin(setup_, kernelFrame(), kernels_);
+}
+
+void CpuDevice::takeLook(const FrameSetup& setup, ChannelLook& look) {
+  if (!look.look_up || look.look_up->key != lookUpKey(setup))
+    look.look_up.emplace(lookUpKey(setup));
+  look.tables.emplace(setup, *look.look_up, setup.lit ? light_squares_.texels() : nullptr);
+  if (!leaps_ || look.shown_for == setup.look_up) return;
+  ShownValues shown = shownValues(*setup.look_up);
+  if (shown != look.shown || look.shown_number == 0) look.shown_number = ++shown_numbers_;
+  look.shown = std::move(shown);
+  look.shown_for = setup.look_up;
 }
 
 PictureRows CpuDevice::rowsOfFrame() const {
@@ -134,6 +142,7 @@ void CpuDevice::draw(std::span<const BoxDraw> boxes) {
       const auto found = resident_.find(boxes[i].chunk);
       SLUICE_CHECK(found != resident_.end());
       found->second.is_put_off = true;
+      found->second.channel = boxes[i].channel;
       ++binds_;
     }
     put_off_.push_back(boxes[i]);
@@ -156,31 +165,51 @@ void CpuDevice::prepareLeaps() {
     if (!chunk.is_put_off) continue;
     Leaps& leaps = chunk.leaps;
     if (leaps.grid && leaps.grid->margin != margin) leaps.grid.reset();
-    if (!leaps.grid || leaps.made_for != shown_number_) stale.push_back(&chunk);
+    if (!leaps.grid || leaps.made_for != looks_[chunk.channel]->shown_number)
+      stale.push_back(&chunk);
   }
   pool_.parallelFor(static_cast<int64_t>(stale.size()), [&](int64_t i) {
-    auto& [texels, is_put_off, leaps] = *stale[static_cast<size_t>(i)];
-    if (!leaps.grid) leaps.grid = leapGrid(*texels, setup_.look_up->expected.get(), margin);
-    setDistances(*leaps.grid, texels->type, shown_);
-    leaps.made_for = shown_number_;
+    auto& [texels, is_put_off, leaps, channel] = *stale[static_cast<size_t>(i)];
+    const ChannelLook& look = *looks_[channel];
+    if (!leaps.grid) leaps.grid = leapGrid(*texels, look.shown_for->expected.get(), margin);
+    setDistances(*leaps.grid, texels->type, look.shown);
+    leaps.made_for = look.shown_number;
   });
+}
+
+std::vector<KernelBox> CpuDevice::kernelBoxes() const {
+  std::vector<KernelBox> boxes;
+  boxes.reserve(put_off_.size());
+  std::vector<ChannelBox> joined;
+  for (const BoxDraw& box : put_off_) {
+    const Resident& chunk = resident_.at(box.chunk);
+    SLUICE_CHECK(!chunk.texels->has_spread || drawsSpreads(setup_));
+    const bool leaps = leaps_ && chunk.leaps.grid->shown_share < kMostShownToLeap;
+    const LeapGrid* const grid = leaps ? &*chunk.leaps.grid : nullptr;
+    if (setup_.others.empty()) {
+      appendBox(setup_, box, chunk.texels.get(), grid, boxes);
+      continue;
+    }
+    if (!box.joins) {
+      appendJoined(setup_, joined, boxes);
+      joined.clear();
+    }
+    joined.push_back({box, chunk.texels.get(), grid});
+  }
+  appendJoined(setup_, joined, boxes);
+  return boxes;
 }
 
 void CpuDevice::drawNow(const Then& then, Keep keep) {
   stop_.throwIfStopped();
   if (put_off_.empty() && !then) return;
   if (leaps_) prepareLeaps();
-  std::vector<KernelBox> boxes;
-  boxes.reserve(put_off_.size());
-  for (const BoxDraw& box : put_off_) {
-    const Resident& chunk = resident_.at(box.chunk);
-    SLUICE_CHECK(!chunk.texels->has_spread || drawsSpreads(setup_));
-    const bool leaps = leaps_ && chunk.leaps.grid->shown_share < kMostShownToLeap;
-    appendBox(setup_, box, chunk.texels.get(), leaps ? &*chunk.leaps.grid : nullptr, boxes);
-  }
+  const std::vector<KernelBox> boxes = kernelBoxes();
   forgetPutOff();
   const TileBins bins = binsOf(boxes);
-  const KernelFrame& frame = tables_->frame();
+  const KernelFrame& frame = kernelFrame();
+  std::vector<const KernelFrame*> frames;
+  for (size_t i = 0; i <= setup_.others.size(); ++i) frames.push_back(&looks_[i]->tables->frame());
   const ModeTraits& traits = traitsOf(setup_.mode);
   const bool in_layers = traits.needs_order && setup_.is_part;
   const auto draw = kernels_.drawing(traits.combining);
@@ -195,6 +224,9 @@ void CpuDevice::drawNow(const Then& then, Keep keep) {
       const auto part = rest.first(std::min(kBoxesBetweenStops, rest.size()));
       if (in_layers)
         parts_.draw(index, boxes, part, tile);
+      else if (frames.size() > 1)
+        kernels_.blended(frames.data(), frames.size(), boxes.data(), part.data(), part.size(),
+                         tile);
       else
         draw(frame, boxes.data(), part.data(), part.size(), tile);
       rest = rest.subspan(part.size());
@@ -227,14 +259,14 @@ uint64_t CpuDevice::countSamples(std::span<const BoxDraw> draws) {
   pool_.parallelFor(picture_.tiles(), [&](int64_t index) {
     const auto of_tile = bins.of(index);
     if (of_tile.empty()) return;
-    samples += kernels_.count(tables_->frame(), boxes.data(), of_tile.data(), of_tile.size(),
+    samples += kernels_.count(kernelFrame(), boxes.data(), of_tile.data(), of_tile.size(),
                               picture_.drawnTile(index));
   });
   return samples;
 }
 
 uint64_t CpuDevice::takenSamples() {
-  SLUICE_CHECK(tables_->frame().counts_taken);
+  SLUICE_CHECK(kernelFrame().counts_taken);
   return taken_;
 }
 

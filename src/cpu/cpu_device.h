@@ -50,6 +50,7 @@ class CpuDevice : public Device, public DrawsRows {
   uint64_t countSamples(std::span<const BoxDraw> boxes) override;
   uint64_t takenSamples() override;
   Picture endFrame() override;
+  bool blendsChannels() const override { return true; }
   bool drawsParts() const override { return true; }
   PartialPicture endPart() override;
   void cancelFrame() override { forgetPutOff(); }
@@ -65,6 +66,7 @@ class CpuDevice : public Device, public DrawsRows {
     ChunkTexelsPtr texels;
     bool is_put_off = false;  // boxes of it are
     Leaps leaps;
+    uint32_t channel = 0;  // of its boxes
   };
   // Of a chunk that was evicted: it comes back with the same texels if it is still in the level
   // below, as when a threshold goes to and fro.
@@ -73,6 +75,20 @@ class CpuDevice : public Device, public DrawsRows {
     Leaps leaps;
   };
 
+  // The look of a channel, for the last frame.
+  struct ChannelLook {
+    std::optional<LookUpTables> look_up;
+    std::optional<FrameTables> tables;  // for the current frame
+    ShownValues shown;                  // for the last frame with leaps
+    LookUpPtr shown_for;                // look-up behind shown
+    uint64_t shown_number = 0;          // counts its changes, and is no other channel's
+  };
+
+  // Takes the look of a channel for the frame that begins.
+  void takeLook(const FrameSetup& setup, ChannelLook& look);
+  const KernelFrame& kernelFrame() const { return looks_.front()->tables->frame(); }
+  // The boxes that were put off, for the kernels.
+  std::vector<KernelBox> kernelBoxes() const;
   void forgetPutOff();
   PictureRows rowsOfFrame() const;
   TileBins binsOf(const std::vector<KernelBox>& boxes) const;
@@ -92,13 +108,10 @@ class CpuDevice : public Device, public DrawsRows {
   std::unordered_map<uint64_t, Resident> resident_;
   std::unordered_map<const ChunkTexels*, Evicted> evicted_;
   FrameSetup setup_;
-  std::optional<LookUpTables> look_up_;  // for the last frame
-  LightSquares light_squares_;           // for the last frame that was lit
-  std::optional<FrameTables> tables_;    // for the current frame
-  bool leaps_ = false;                   // the frame does
-  ShownValues shown_;                    // for the last frame with leaps
-  LookUpPtr shown_for_;                  // look-up behind shown_
-  uint64_t shown_number_ = 0;            // counts its changes
+  LightSquares light_squares_;                       // for the last frame that was lit
+  std::vector<std::unique_ptr<ChannelLook>> looks_;  // the setup's own first
+  uint64_t shown_numbers_ = 0;                       // given to looks
+  bool leaps_ = false;                               // the frame does
   StopToken stop_;
   std::optional<PictureRows> rows_;
   TiledPicture picture_;

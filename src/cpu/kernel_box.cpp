@@ -200,7 +200,68 @@ bool seesLowerFirst(const FrameSetup& setup, int axis, int64_t plane) {
   return eye[axis] < static_cast<double>(plane);
 }
 
+// Whether offsets of its texels are exact in single precision.
+bool isNear(const BoxDraw& box, Vec3i storage) {
+  const TexelSpan texels = texelsOf(box, storage);
+  // Two more along each axis, for differences.
+  const Vec3i span = texels.hi - texels.lo + Vec3i{2, 2, 2};
+  return span.x + span.y * storage.x + span.z * storage.x * storage.y <= kMostOffset;
+}
+
+// The part of the boxes on one side of a plane.
+std::vector<ChannelBox> partOf(std::span<const ChannelBox> boxes, int axis, int64_t plane,
+                               bool lower) {
+  std::vector<ChannelBox> part;
+  for (ChannelBox each : boxes) {
+    Box3& cells = each.box.cells;
+    if (lower)
+      cells.hi[axis] = std::min(cells.hi[axis], plane);
+    else
+      cells.lo[axis] = std::max(cells.lo[axis], plane);
+    if (!cells.empty()) part.push_back(each);
+  }
+  return part;
+}
+
+// The first box is seen where any of them is; the others have no pixels of their own.
+void join(std::span<KernelBox> boxes) {
+  KernelBox& first = boxes.front();
+  for (KernelBox& box : boxes.subspan(1)) {
+    first.x_lo = std::min(first.x_lo, box.x_lo), first.x_hi = std::max(first.x_hi, box.x_hi);
+    first.y_lo = std::min(first.y_lo, box.y_lo), first.y_hi = std::max(first.y_hi, box.y_hi);
+    box.x_lo = box.y_lo = kTileSide, box.x_hi = box.y_hi = 1;
+  }
+  first.joined = static_cast<uint32_t>(boxes.size() - 1);
+}
+
 }  // namespace
+
+void appendJoined(const FrameSetup& setup, std::span<const ChannelBox> boxes,
+                  std::vector<KernelBox>& out) {
+  if (boxes.empty()) return;
+  const bool are_near = std::ranges::all_of(boxes, [](const ChannelBox& each) {
+    return each.chunk == nullptr || isNear(each.box, each.chunk->storage_vox);
+  });
+  Box3 hull = boxes.front().box.cells;
+  for (const ChannelBox& each : boxes) hull = unite(hull, each.box.cells);
+  int axis = 0;
+  for (int a = 1; a < 3; ++a)
+    if (hull.size()[a] > hull.size()[axis]) axis = a;
+  if (!are_near && hull.size()[axis] >= 2) {
+    const int64_t middle = (hull.lo[axis] + hull.hi[axis]) / 2;
+    const bool lower_first = seesLowerFirst(setup, axis, middle);
+    appendJoined(setup, partOf(boxes, axis, middle, lower_first), out);
+    appendJoined(setup, partOf(boxes, axis, middle, !lower_first), out);
+    return;
+  }
+  const size_t first = out.size();
+  for (const ChannelBox& each : boxes) {
+    const size_t before = out.size();
+    appendPart(setup, each.box, each.chunk, each.leaps, out);
+    if (out.size() > before) out.back().channel = each.box.channel;
+  }
+  if (out.size() > first) join(std::span(out).subspan(first));
+}
 
 void appendBox(const FrameSetup& setup, const BoxDraw& box, const ChunkTexels* chunk,
                const LeapGrid* leaps, std::vector<KernelBox>& out) {
@@ -208,16 +269,11 @@ void appendBox(const FrameSetup& setup, const BoxDraw& box, const ChunkTexels* c
     appendPart(setup, box, chunk, leaps, out);
     return;
   }
-  const Vec3i storage = chunk->storage_vox;
-  const TexelSpan texels = texelsOf(box, storage);
-  // Two more along each axis, for differences.
-  const Vec3i span = texels.hi - texels.lo + Vec3i{2, 2, 2};
-  const Vec3i reach{span.x, span.y * storage.x, span.z * storage.x * storage.y};
   int axis = 2;
   const auto& axes = box.texels.axes;
   while (axis > 0 && box.cells.size()[axes[static_cast<size_t>(axis)]] < 2) --axis;
   const int cut = axes[static_cast<size_t>(axis)];
-  if (reach.x + reach.y + reach.z <= kMostOffset || box.cells.size()[cut] < 2) {
+  if (isNear(box, chunk->storage_vox) || box.cells.size()[cut] < 2) {
     appendPart(setup, box, chunk, leaps, out);
     return;
   }

@@ -1,6 +1,7 @@
 // Boxes as the kernels take them. Pure functions.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "src/cpu/kernel_values.h"
@@ -15,5 +16,15 @@ namespace sluice {
 // cells, see BoxDraw.
 void appendBox(const FrameSetup& setup, const BoxDraw& box, const ChunkTexels* chunk,
                const LeapGrid* leaps, std::vector<KernelBox>& out);
+
+// A box of one of several channels, with its chunk.
+struct ChannelBox {
+  BoxDraw box;
+  const ChunkTexels* chunk = nullptr;
+  const LeapGrid* leaps = nullptr;
+};
+// The same for a block's boxes, which join the first of them.
+void appendJoined(const FrameSetup& setup, std::span<const ChannelBox> boxes,
+                  std::vector<KernelBox>& out);
 
 }  // namespace sluice

@@ -20,6 +20,9 @@ inline constexpr int kTilePixels = kTileSide * kTileSide;
 // The widest packet: pixels that one instruction works on.
 inline constexpr int kMostLanes = 16;
 
+// Channels that are blended at the most.
+inline constexpr size_t kMostBlended = 8;
+
 // FrameSetup in single precision; rays relative to origin0.
 struct KernelFrame {
   int width = 0, height = 0;
@@ -139,6 +142,9 @@ struct KernelBox {
   const uint8_t* distances = nullptr;
   Float3 brick_at{}, brick_last{}, brick_stride{};
   uint32_t layer = 0;  // layer of a part
+  // Blended channels: the box's, and the number of boxes behind this one in the list that join it,
+  // whose pixels count with this one's.
+  uint32_t channel = 0, joined = 0;
   // Pixels that may see the box, [lo, hi).
   int x_lo = 0, y_lo = 0, x_hi = 0, y_hi = 0;
 };
@@ -162,6 +168,9 @@ struct Kernels {
                     size_t count, TilePixels& tile) = nullptr;
   void (*other)(const KernelFrame& frame, const KernelBox* boxes, const uint32_t* indices,
                 size_t count, TilePixels& tile) = nullptr;
+  // Draws boxes with those that join them as one medium, `frames` of so many channels.
+  void (*blended)(const KernelFrame* const* frames, size_t channels, const KernelBox* boxes,
+                  const uint32_t* indices, size_t count, TilePixels& tile) = nullptr;
   // How many samples that would be if no ray ended.
   uint64_t (*count)(const KernelFrame& frame, const KernelBox* boxes, const uint32_t* indices,
                     size_t count, const TilePixels& tile) = nullptr;

@@ -17,6 +17,8 @@ namespace sluice {
                      size_t count, TilePixels& tile);                                              \
   void drawOtherMode(const KernelFrame& frame, const KernelBox* boxes, const uint32_t* indices,    \
                      size_t count, TilePixels& tile);                                              \
+  void drawBlended(const KernelFrame* const* frames, size_t channels, const KernelBox* boxes,      \
+                   const uint32_t* indices, size_t count, TilePixels& tile);                       \
   uint64_t countSamples(const KernelFrame& frame, const KernelBox* boxes, const uint32_t* indices, \
                         size_t count, const TilePixels& tile);                                     \
   void packetShape(int& width, int& height);                                                       \
@@ -30,6 +32,8 @@ void drawComposite(const KernelFrame& frame, const KernelBox* boxes, const uint3
                    size_t count, TilePixels& tile);
 void drawOtherMode(const KernelFrame& frame, const KernelBox* boxes, const uint32_t* indices,
                    size_t count, TilePixels& tile);
+void drawBlended(const KernelFrame* const* frames, size_t channels, const KernelBox* boxes,
+                 const uint32_t* indices, size_t count, TilePixels& tile);
 uint64_t countSamples(const KernelFrame& frame, const KernelBox* boxes, const uint32_t* indices,
                       size_t count, const TilePixels& tile);
 void packetShape(int& width, int& height);
@@ -46,15 +50,15 @@ struct TargetKernels {
 using DrawTile = decltype(Kernels::composite);
 
 Kernels kernels(const char* name, void (*shape)(int&, int&), DrawTile composite, DrawTile other,
-                decltype(Kernels::count) count) {
-  Kernels result{name, 1, 1, composite, other, count};
+                decltype(Kernels::blended) blended, decltype(Kernels::count) count) {
+  Kernels result{name, 1, 1, composite, other, blended, count};
   shape(result.packet_width, result.packet_height);
   return result;
 }
 
 #define SLUICE_KERNELS(name, target)                                                  \
   kernels(name, &target::packetShape, &target::drawComposite, &target::drawOtherMode, \
-          &target::countSamples)
+          &target::drawBlended, &target::countSamples)
 
 // Worst first.
 const std::vector<TargetKernels>& compiled() {

@@ -146,6 +146,12 @@ struct FrameSetup {
   // neighbouring boxes find the same value, and exactly one of them has a surface next to their
   // face.
   bool has_surfaces = false;
+  // Composite only, of chunks without spreads, unlit or lit, nothing else: further channels on the
+  // same grid, which are one medium with this one. Theirs are look_up, type, lit and flat. Boxes
+  // come with their channels (BoxDraw), those of a block one behind the other. A sample blends all
+  // channels whose boxes hold it: of opacities a_c and colours c_c its opacity is
+  // a = 1 - (1 - a_1) (1 - a_2) ..., and its colour (a_1 c_1 + a_2 c_2 + ...) / (a_1 + a_2 + ...).
+  std::vector<FrameSetup> others = {};
   // Composite only: colours are darkened by this share at the farthest of `shown_depths`, by none
   // at the nearest, and in proportion in between.
   double depth_cueing = 0;
@@ -204,6 +210,9 @@ struct BoxDraw {
   Box3 cells;
   TexelMap texels;
   uint32_t layer = 0;  // layer of a part, see partial_picture.h
+  // Of a frame of several channels, 0 for the setup's own; whether it joins the box before it.
+  uint32_t channel = 0;
+  bool joins = false;
 };
 
 // Which faces of a box lie on faces of the cells that may show: at these a ray enters or leaves

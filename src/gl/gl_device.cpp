@@ -177,6 +177,7 @@ void GlDevice::stopOpaque() {
 
 void GlDevice::beginFrame(const FrameSetup& setup, const StopToken& stop) {
   SLUICE_CHECK_LE(setup.clip_planes.size(), kMostClipPlanes);
+  SLUICE_CHECK(setup.others.empty());
   context_->makeCurrent();
   setup_ = setup;
   stop_ = stop;

@@ -175,6 +175,7 @@ LookArguments lookArguments(const LookOptions& look, bool whole_series) {
           channelLookText(own));
     arguments.channels.push_back(std::move(own));
   }
+  if (look.combine == LookOptions::Combine::kBlend) arguments.combine = Combine::kBlend;
   for (const LookOptions::Surface& surface : look.surfaces) {
     SurfaceLook own{surface.value, surface.opacity, surface.color};
     if (parseSurfaceLook(surfaceLookText(own)) != own)

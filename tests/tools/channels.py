@@ -1,9 +1,11 @@
 #!/usr/bin/env python3
 """Volumes of several channels by zarr-python and tifffile, and sums of pictures by NumPy.
 
-  channels.py write            writes cells.ome.zarr, cells.ome.tif, flat.ome.zarr into this folder
+  channels.py write            writes cells.ome.zarr, cells.ome.tif, flat.ome.zarr, deep.ome.zarr
+                               into this folder
   channels.py sum WHOLE PART.. prints the largest difference of WHOLE and the sum of the PARTs, in 1/255
   channels.py flat WHOLE       the same of WHOLE and the projection of flat.ome.zarr
+  channels.py deep WHOLE       the same of WHOLE and deep.ome.zarr, blended
 """
 import sys
 
@@ -62,6 +64,28 @@ def write():
     write_zarr('flat.ome.zarr', np.repeat(image, 6, axis=1))
 
 
+    deep = np.random.default_rng(4).integers(0, 6000, (4, 9, 32, 48)).astype('u2')
+    np.save('deep.npy', deep)
+    write_zarr('deep.ome.zarr', deep)
+
+
+def deep():
+    """Rays along -z, a pixel a voxel with y up, sampled half way between the voxels; omero's windows, opacity 0.4."""
+    voxels = np.load('deep.npy').astype('f8')
+    middle = (voxels[:, 1:] + voxels[:, :-1])[:, ::-1, ::-1] / 2
+    color, opacity = np.zeros((32, 48, 3)), np.zeros((32, 48, 1))
+    for z in range(middle.shape[1]):
+        clear, light, total = 1, 0, 0
+        for c, (label, (start, end)) in list(enumerate(WINDOWS.items()))[:3]:
+            a = 0.4 * np.clip((middle[c, z] - start) / (end - start), 0, 1)[:, :, None]
+            clear, total = clear * (1 - a), total + a
+            light = light + a * np.array([int(COLORS[label][i:i + 2], 16) for i in (0, 2, 4)])
+        a = 1 - clear
+        color += (1 - opacity) * light * a / np.maximum(total, 1e-9)
+        opacity += (1 - opacity) * a
+    return color
+
+
 def picture(name):
     return np.asarray(Image.open(name).convert('RGB')).astype('f8')
 
@@ -80,6 +104,9 @@ if sys.argv[1] == 'write':
 elif sys.argv[1] == 'sum':
     expected = np.minimum(sum(picture(name) for name in sys.argv[3:]), 255)
     print(f'{np.abs(picture(sys.argv[2]) - expected).max():.3f} of {expected.max():.0f}')
+elif sys.argv[1] == 'deep':
+    inner = (slice(1, -1), slice(1, -1))
+    print(f'{np.abs(picture(sys.argv[2]) - deep())[inner].max():.3f} of {deep().max():.0f}')
 else:
     # Rays through the outermost voxels may miss the volume.
     inner = (slice(1, -1), slice(1, -1))

@@ -29,12 +29,12 @@ class Channels : public testing::Test {
         .output;
   }
   // The largest difference of a picture and a sum, as the script prints it.
-  double difference(const std::string& arguments) const {
+  double difference(const std::string& arguments, double least = 150) const {
     std::istringstream line(python(arguments));
     double most = -1, brightest = 0;
     std::string of;
     line >> most >> of >> brightest;
-    EXPECT_GT(brightest, 150) << arguments;
+    EXPECT_GT(brightest, least) << arguments;
     return most;
   }
   void render(const std::string& arguments, const std::string& size = "200x160") const {
@@ -91,6 +91,59 @@ TEST_F(Channels, projectionIsTheSumOfWindowsInNumPy) {
                 .status,
             0);
   EXPECT_LE(difference("flat flat.png"), 2);
+}
+
+TEST_F(Channels, blendedSamplesAreThoseOfNumPy) {
+  const double zoom = std::sqrt(47.0 * 47 + 31 * 31 + 8 * 8) / 2 / 16;
+  for (const char* options : {"", "--simd plain", "--simd sse4", "--block 16 --page 16x16x16"}) {
+    const std::string command = fmt::format(
+        "render deep.ome.zarr --combine blend --opacity 0.4 --view plain --fit volume "
+        "--zoom {} --step 1 --size 48x32 --background 000000 --force -o deep.png {}",
+        zoom, options);
+    const CommandResult drawn = program_.run(command);
+    if (drawn.output.find("has no such instructions") != std::string::npos) continue;
+    ASSERT_EQ(drawn.status, 0) << drawn.output;
+    EXPECT_LE(difference("deep deep.png"), 2) << options;
+  }
+}
+
+TEST_F(Channels, blendedPictureIsTheSameForAllBlocksAndBudgets) {
+  for (const char* options :
+       {"", "--block 16 --page 16x16x16", "--memory 80M", "--memory 60M --block 16 --page 16x16x16",
+        "--projection perspective --shade", "--depth-cueing --jitter --clip 1,0.3,0,25",
+        "--algorithm conventional", "--algorithm clipped", "--crop 10,5,2,70,60,17"}) {
+    const auto report =
+        program_.json(fmt::format("render cells.ome.zarr --combine blend {} --size 200x160 --force "
+                                  "--verify -o a.png",
+                                  options));
+    EXPECT_LE(report["verify"]["max_difference"], 1) << options;
+    EXPECT_EQ(report["verify"]["differing_pixels"], 0) << options;
+    EXPECT_EQ(report["channels"].size(), 3) << options;
+  }
+}
+
+TEST_F(Channels, blendedWithOneThatShowsNothingIsThePictureOfTheOther) {
+  for (const char* view : {"--no-shade", "--no-shade --projection perspective", "--shade"}) {
+    const std::string common = fmt::format(" {} --background 000000 --step 1 -o ", view);
+    render("cells.ome.zarr --channel 0,3 --combine blend --look 3:red,65000:65535" + common +
+           "both.png");
+    render(fmt::format("cells.ome.zarr --channel 0 {} {}one.png", kStoredLooks[0], common));
+    EXPECT_LE(difference("sum both.png one.png", 100), 1) << view;
+  }
+}
+
+TEST_F(Channels, blendingIsRefusedInOneLineWhereItIsNotKnown) {
+  for (const auto& [arguments, message] :
+       {std::pair("--mode mip", "--combine blend needs --mode composite"),
+        std::pair("--device gl --gl osmesa", "drawn by the CPU device; give --device cpu"),
+        std::pair("--shade --shadows", "leave out --shadows and --occlusion-light"),
+        std::pair("--occlusion map", "leave out --occlusion and --partition"),
+        std::pair("--partition boxes", "leave out --occlusion and --partition")}) {
+    const CommandResult result =
+        program_.run(fmt::format("render cells.ome.zarr --combine blend {} -o no.png", arguments));
+    EXPECT_EQ(result.status, 1) << arguments;
+    EXPECT_THAT(result.output, HasSubstr(message)) << arguments;
+  }
 }
 
 TEST_F(Channels, pictureIsTheSameForAllBlocksAndBudgets) {

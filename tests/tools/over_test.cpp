@@ -83,6 +83,20 @@ TEST_F(Over, isTheSumOfBothOnEachDevice) {
   }
 }
 
+// Of a scan that is lit and of labels of another type of voxel.
+TEST_F(Over, isBlendedOnOneGrid) {
+  const std::string command = "scan.nrrd --over labels.nrrd --combine blend -o blend.png --verify ";
+  for (const char* options : {"", "--look over:labels,0.3", "--projection perspective",
+                              "--block 16 --page 16x16x16", "--step 0.7"})
+    EXPECT_THAT(render(command + options), HasSubstr("0 pixels above 1/255")) << options;
+  render("scan.nrrd --over labels.nrrd -o add.png");
+  EXPECT_GT(difference("blend.png", "add.png"), 20);
+  const CommandResult result =
+      program_.run("render scan.nrrd --over turned.nrrd --combine blend -o no.png");
+  EXPECT_EQ(result.status, 1);
+  EXPECT_THAT(result.output, HasSubstr("turned.nrrd is on another grid of voxels than scan.nrrd"));
+}
+
 TEST_F(Over, labelsHaveTheirColours) {
   // Automatically, by a look, and by a table.
   const std::string common = "spot.nrrd --opacities 250:0,255:0 --over labels.nrrd --view left ";

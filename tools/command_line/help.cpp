@@ -14,7 +14,7 @@ constexpr size_t kNamesColumns = 30;  // left column; longer names have a line o
 
 // Commands whose --help is short, and what it leaves out.
 constexpr std::array<std::string_view, 3> kDrawing = {"render", "view", "plan"};
-constexpr std::array<std::string_view, 54> kRare = {
+constexpr std::array<std::string_view, 55> kRare = {
     // how bytes and numbers of a file are taken
     "endian", "skip", "grid", "this-step", "index-dir", "cache", "cache-dir",
     // outputs
@@ -23,8 +23,8 @@ constexpr std::array<std::string_view, 54> kRare = {
     "fov", "eye", "target", "up", "fit",
     // the look in detail
     "opacities", "modulate", "full-gradient", "step", "opacity-threshold", "labels-table", "light",
-    "attenuation", "ambient", "diffuse", "specular", "shadows", "occlusion-light", "depth-cueing",
-    "quality", "jitter",
+    "attenuation", "combine", "ambient", "diffuse", "specular", "shadows", "occlusion-light",
+    "depth-cueing", "quality", "jitter",
     // how a picture is made, with the same result
     "algorithm", "merge", "partition", "occlusion", "culling", "difference", "directions", "part",
     "detail", "basis",

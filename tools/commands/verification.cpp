@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <utility>
 
 #include "src/library/drawing/added_pictures.h"
@@ -12,6 +13,7 @@
 #include "src/library/opening/shown_channels.h"
 #include "src/library/opening/step_ranges.h"
 #include "src/render/blocks/cut_rules.h"
+#include "src/render/session/blended_frame.h"
 #include "tools/command_line/interrupt.h"
 #include "tools/command_line/progress_line.h"
 
@@ -43,6 +45,7 @@ class EveryBlock : public BlockChooser {
 IndexedVolume openAnew(const Layer& layer, ChannelSource opened, const VerifiedView& view,
                        const IndexPass& pass) {
   MachineOptions machine = view.resources;
+  machine.memory_bytes = memoryBudget(layer.machine);
   const int64_t size = layer.volume.layout.size;
   machine.block = size > 16 ? size / 2 : size * 2;
   machine.pages.reset();  // they need not hold a block of that size
@@ -51,6 +54,13 @@ IndexedVolume openAnew(const Layer& layer, ChannelSource opened, const VerifiedV
                                      {.disabled = true}, pass);
   volume.channel = std::move(opened.channel);
   return volume;
+}
+
+Picture blendedPicture(const std::vector<std::unique_ptr<Session>>& channels, Device& device) {
+  std::vector<Session*> sessions;
+  for (const auto& channel : channels) sessions.push_back(channel.get());
+  std::vector<FrameReport> reports;
+  return blendedFrame(sessions, device, reports).picture;
 }
 
 // The channels of the scene in its order.
@@ -132,7 +142,12 @@ Verification verify(Scene& scene, const VerifiedView& view, FrameOptions options
   }
   ProgressMeter progress(view.resources.quiet ? ProgressWatch() : progressLine("verifying"));
   const IndexPass pass{scene.pool, progress, scene.memory_bytes, interruption()};
-  const std::vector<IndexedVolume> volumes = openAnew(scene, view, pass);
+  std::vector<IndexedVolume> volumes = openAnew(scene, view, pass);
+  if (scene.blends()) {
+    std::vector<std::pair<const IndexedVolume*, PageGeometry*>> pages;
+    for (IndexedVolume& volume : volumes) pages.emplace_back(&volume, &volume.page);
+    evenOutPages(pages);
+  }
   const std::vector<Layer*> layers = scene.layers();
   const VolumeLayout& layout = volumes.front().source->layout();
   const bool is_cut = scene.volume.pyramid != nullptr;
@@ -161,22 +176,32 @@ Verification verify(Scene& scene, const VerifiedView& view, FrameOptions options
   if (!all) result.unchecked.emplace_back("which blocks are empty, since there are too many");
   if (scene.share) scene.share->device().drawWhole(true);
   std::optional<Picture> sum;
+  std::vector<std::unique_ptr<Session>> blended;
   for (size_t i = 0; i < layers.size(); ++i) {
     const Layer& layer = *layers[i];
-    SessionOptions session = sessionOptions(volumes[i], layer.look.lit, view.resources,
-                                            Partition::kBlocks, scene.memory_bytes);
+    SessionOptions session =
+        sessionOptions(volumes[i], layer.look.lit, view.resources, Partition::kBlocks,
+                       scene.blends() ? memoryBudget(layer.machine) : scene.memory_bytes);
     session.beside_bytes += layers.size() * layer.part_bytes;
-    Session plain(stepOf(volumes[i], layer, view.time, pass), *scene.device, scene.pool, session);
-    plain.setTransferFunction(layer.look.transfer);
-    plain.chooseBlocksBy(all ? &every_block : nullptr);
-    plain.setOptions(scene.optionsOf(layer, options));
-    Picture drawn = plain.frame().picture;
+    auto plain = std::make_unique<Session>(stepOf(volumes[i], layer, view.time, pass),
+                                           *scene.device, scene.pool, session);
+    plain->setTransferFunction(layer.look.transfer);
+    plain->chooseBlocksBy(all ? &every_block : nullptr);
+    plain->setOptions(scene.optionsOf(layer, options));
+    if (scene.blends()) {
+      blended.push_back(std::move(plain));
+      continue;
+    }
+    Picture drawn = plain->frame().picture;
     if (!sum)
       sum = std::move(drawn);
     else
       addPicture(*sum, drawn, scene.pool);
   }
-  if (layers.size() > 1) limitSum(*sum, scene.pool);
+  if (scene.blends())
+    sum = blendedPicture(blended, *scene.device);
+  else if (layers.size() > 1)
+    limitSum(*sum, scene.pool);
   compare(*sum, picture, result);
   return result;
 }

@@ -59,6 +59,11 @@ void addLookOptions(CLI::App& app, const AskedView& asked, LookArguments& look,
              look.channels = lookArguments(channels, true).channels;
            })
       ->trigger_on_parse();
+  parts_table.add("--combine", [&look](const ViewState& state) {
+    LookOptions combined;
+    combined.combine = state.look.combine;
+    look.combine = lookArguments(combined, true).combine;
+  });
   CLI::Option* surfaces = parts_table.add("--iso", [&look](const ViewState& state) {
     LookOptions of_surfaces;
     of_surfaces.surfaces = state.look.surfaces;

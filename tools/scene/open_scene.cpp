@@ -58,13 +58,20 @@ std::vector<IndexedVolume> openIndexedChannels(const VolumeArguments& arguments,
   // Several channels have no row of pictures that begins with a sample.
   if (opened.size() > 1) finest = std::min(finest, FinestLevel::kMayWait);
   std::vector<std::string> said;
-  std::vector<IndexedVolume> volumes;
-  for (ChannelSource& channel : opened) {
+  const bool blends = look.combine == Combine::kBlend && opened.size() > 1;
+  std::vector<IndexNeeds> needs;
+  for (const ChannelSource& channel : opened) {
     FrameOptions own = frame;
     if (own.cut && channel.channel.is_over) own.cut->level.reset();
-    const IndexNeeds needs = pictureNeeds(lookOfChannel(look, channel.channel), own, finest);
-    volumes.push_back(indexed(std::move(channel), resources, needs, pool, said));
+    if (blends) own.cut.reset();
+    needs.push_back(pictureNeeds(lookOfChannel(look, channel.channel), own, finest));
   }
+  // Blended channels are read in the same blocks.
+  if (blends && std::ranges::any_of(needs, &IndexNeeds::gradients))
+    for (IndexNeeds& each : needs) each.gradients = true;
+  std::vector<IndexedVolume> volumes;
+  for (size_t i = 0; i < opened.size(); ++i)
+    volumes.push_back(indexed(std::move(opened[i]), resources, needs[i], pool, said));
   return volumes;
 }
 

@@ -78,7 +78,9 @@ Drawing::Drawing(std::shared_ptr<const OpenedVolume> opened, const LookOptions& 
 
 void Drawing::setLook(const LookOptions& look) {
   const Mode mode = modeOf(look);
+  const bool did_blend = scene_.blends();
   scene_.setLook(lookArguments(look, opened_->whole_series), mode);
+  if (scene_.blends() != did_blend) scene_.openSession(session_frame_, 0);
   mode_ = mode;
   ++looks_;
 }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 #include "src/base/error.h"
@@ -13,7 +14,9 @@
 #include "src/library/drawing/shared_world.h"
 #include "src/render/blocks/cut_rules.h"
 #include "src/render/camera/frame_setup.h"
+#include "src/render/session/blended_frame.h"
 #include "src/render/session/planner.h"
+#include "src/volume/block_side.h"
 
 namespace sluice {
 namespace {
@@ -69,6 +72,20 @@ void toUnitOf(const VolumeLayout& first, const VolumeLayout& own, std::vector<fl
     for (float& depth : depths) depth *= scale;
 }
 
+// Only the CPU device blends channels.
+DeviceArguments deviceFor(DeviceArguments device, const LookArguments& look, bool has_layers) {
+  const bool is_free = device.device == DeviceChoice::kAuto && device.gl == GlChoice::kAuto &&
+                       device.lent == nullptr;
+  if (look.combine == Combine::kBlend && has_layers && is_free) device.device = DeviceChoice::kCpu;
+  return device;
+}
+
+int64_t pagesOfBlock(const IndexedVolume& volume, const PageGeometry& page) {
+  const int levels = volume.pyramid != nullptr ? volume.pyramid->levels() : 1;
+  const int64_t side = blockSide(volume.layout, levels);
+  return page.pagesOf(Vec3i{side, side, side});
+}
+
 // The part of a machine for each of so many layers.
 MachineOptions shareOf(MachineOptions machine, size_t layers) {
   if (layers > 1) machine.memory_bytes = memoryBudget(machine) / layers;
@@ -86,6 +103,14 @@ uint64_t othersBytes(const IndexedVolume& volume, const TransferFunction& transf
   return steps * volume.rangesBytes() + planBytes(volume, transfer, frame, pool) + light_bytes;
 }
 
+void evenOutPages(const std::vector<std::pair<const IndexedVolume*, PageGeometry*>>& pages) {
+  int64_t blocks = std::numeric_limits<int64_t>::max();
+  for (const auto& [volume, page] : pages)
+    blocks = std::min(blocks, page->pages / pagesOfBlock(*volume, *page));
+  for (const auto& [volume, page] : pages)
+    page->pages = std::max<int64_t>(1, blocks) * pagesOfBlock(*volume, *page);
+}
+
 Scene::Scene(SceneInputs inputs, const LookArguments& asked_look, const FrameOptions& frame)
     : Layer(std::move(inputs.volume), shareOf(inputs.machine, 1 + inputs.more.size())),
       owned_pool(std::move(inputs.pool)),
@@ -93,12 +118,13 @@ Scene::Scene(SceneInputs inputs, const LookArguments& asked_look, const FrameOpt
       may_be_lit(inputs.may_be_lit),
       memory_bytes(memoryBudget(inputs.machine)),
       asked(asked_look),
-      device(makeDevice(machine.device, pool)) {
+      device(makeDevice(deviceFor(machine.device, asked, !inputs.more.empty()), pool)) {
   for (auto& further : inputs.more)
     more.push_back(std::make_unique<Layer>(std::move(further), machine));
   std::vector<const ShownChannel*> shown;
   for (Layer* layer : layers()) shown.push_back(&layer->volume.channel);
   requireShown(asked, shown);
+  requireBlendable(asked, frame);
   for (Layer* layer : layers()) layer->look = lookFor(layer->volume, asked, frame.mode);
   drawn_look = lookText();
   if (inputs.team != nullptr) {
@@ -139,18 +165,24 @@ std::vector<const Layer*> Scene::layers() const {
 
 void Scene::openSession(const FrameOptions& frame, uint64_t more_bytes) {
   for (Layer* layer : layers()) layer->session.reset();
-  for (Layer* layer : layers()) try {
-      openSession(*layer, optionsOf(*layer, frame), more_bytes);
-    } catch (const Error& error) {
-      for (Layer* opened : layers()) opened->session.reset();  // none outlives the device
-      if (more.empty()) throw;
-      failAs(error.kind(), "{} ({} channels share the memory evenly, and this is the part of one)",
-             error.what(), layers().size());
+  try {
+    for (Layer* layer : layers()) shareOut(*layer, optionsOf(*layer, frame), more_bytes);
+    if (blends()) {
+      std::vector<std::pair<const IndexedVolume*, PageGeometry*>> pages;
+      for (Layer* layer : layers()) pages.emplace_back(&layer->volume, &layer->page);
+      evenOutPages(pages);
     }
+    for (Layer* layer : layers()) openSession(*layer, frame.partition);
+  } catch (const Error& error) {
+    for (Layer* opened : layers()) opened->session.reset();  // none outlives the device
+    if (more.empty()) throw;
+    failAs(error.kind(), "{} ({} channels share the memory evenly, and this is the part of one)",
+           error.what(), layers().size());
+  }
   chooseBlocksBy(nullptr);
 }
 
-void Scene::openSession(Layer& layer, const FrameOptions& frame, uint64_t more_bytes) {
+void Scene::shareOut(Layer& layer, const FrameOptions& frame, uint64_t more_bytes) {
   const IndexedVolume& of = layer.volume;
   const uint64_t others_bytes = othersBytes(of, layer.look.transfer, frame, pool) + more_bytes;
   BesideShare beside =
@@ -163,8 +195,12 @@ void Scene::openSession(Layer& layer, const FrameOptions& frame, uint64_t more_b
   }
   layer.page.pages = beside.pages;
   layer.beside_bytes = beside.beside_bytes;
-  SessionOptions options = sessionOptions(of, may_be_lit || layer.look.lit, machine,
-                                          frame.partition, memoryBudget(layer.machine));
+}
+
+void Scene::openSession(Layer& layer, Partition partition) {
+  const IndexedVolume& of = layer.volume;
+  SessionOptions options = sessionOptions(of, may_be_lit || layer.look.lit, machine, partition,
+                                          memoryBudget(layer.machine));
   options.page = layer.page;
   options.beside_bytes = layer.beside_bytes;
   layer.session = std::make_unique<Session>(of.step(), *device, pool, options);
@@ -179,6 +215,9 @@ void Scene::setLook(const LookArguments& asked_look, Mode mode) {
     chosen.push_back(lookFor(layer->volume, asked_look, mode));
   }
   requireShown(asked_look, shown);
+  FrameOptions frame;
+  frame.mode = mode;
+  requireBlendable(asked_look, frame);
   asked = asked_look;
   for (size_t i = 0; i < chosen.size(); ++i) {
     Layer& layer = *layers()[i];
@@ -199,6 +238,11 @@ FrameOptions Scene::optionsOf(const Layer& layer, const FrameOptions& options) c
   own.shades = layer.look.lit;
   if (look.flat_scale > 0) own.lighting.flat_share *= layer.look.flat_scale / look.flat_scale;
   // Waiting and blocks of a cut are shared out, too.
+  if (blends()) {
+    own.cut.reset();
+    own.integrates = false;
+    return own;
+  }
   if (own.time_limit_s) *own.time_limit_s /= static_cast<double>(all.size());
   if (own.cut) own.cut->most_held_bytes /= all.size();
   if (options.watch)
@@ -208,7 +252,37 @@ FrameOptions Scene::optionsOf(const Layer& layer, const FrameOptions& options) c
   return own;
 }
 
+void Scene::requireBlendable(const LookArguments& look, const FrameOptions& options) const {
+  if (look.combine == Combine::kAdd || more.empty()) return;
+  const VolumeLayout& first = volume.source->layout();
+  for (const auto& layer : more)
+    if (const VolumeLayout& layout = layer->volume.source->layout(); !isSameGrid(layout, first))
+      failRequest(
+          "--combine blend: {} is on another grid of voxels than {}; leave out --combine, which "
+          "adds their pictures",
+          layout.name, first.name);
+  for (const auto& layer : more)
+    if (const BlockLayout& blocks = layer->volume.layout;
+        blocks.size != volume.layout.size || blocks.ghost != volume.layout.ghost)
+      failRequest(
+          "--combine blend: {} is read in other blocks than {}; give both the same --block, and "
+          "levels of resolution to both or none",
+          layer->volume.name, volume.name);
+  if (!device->blendsChannels())
+    failRequest("--combine blend is drawn by the CPU device; give --device cpu");
+  if (!traitsOf(options.mode).has_colors)
+    failRequest("--combine blend needs --mode composite, since other modes show one value a pixel");
+  if (!look.surfaces.empty()) failRequest("--combine blend draws no surfaces; leave out --iso");
+  if (options.lighting.looksAround())
+    failRequest(
+        "--combine blend knows no light that looks around; leave out --shadows and "
+        "--occlusion-light");
+  if (options.occlusion != Occlusion::kOff || options.partition != Partition::kBlocks)
+    failRequest("--combine blend draws whole blocks; leave out --occlusion and --partition");
+}
+
 void Scene::setOptions(const FrameOptions& options) {
+  requireBlendable(asked, options);
   for (Layer* layer : layers()) layer->session->setOptions(optionsOf(*layer, options));
 }
 
@@ -249,7 +323,7 @@ double Scene::chosenStep(const TimeStep& step, const FrameOptions& options) cons
   if (!traitsOf(options.mode).has_colors) return options.step_vox;
   const VolumeLayout& first = volume.source->layout();
   const View view = resolve(options.camera, first, options.size, options.step_vox);
-  double least = chosenStepOf(*this, *this, step, view, options);
+  double least = chosenStepOf(*this, *this, step, view, optionsOf(*this, options));
   for (const auto& layer : more) {
     const VolumeLayout& layout = layer->volume.source->layout();
     const FrameOptions own = optionsOf(*layer, options);
@@ -274,8 +348,8 @@ std::string Scene::lookOf(const FrameOptions& options) const {
 }
 
 bool Scene::integrates(const FrameOptions& options) const {
-  return options.integrates && traitsOf(options.mode).has_colors && !look.transfer.labels &&
-         look.transfer.surfaces.empty() &&
+  return !blends() && options.integrates && traitsOf(options.mode).has_colors &&
+         !look.transfer.labels && look.transfer.surfaces.empty() &&
          !drawsCut(volume.step(), options.cut, options.mode, look.transfer);
 }
 
@@ -325,6 +399,18 @@ SceneFrame Scene::draw(const std::vector<PictureRows>& strips,
   return drawn;
 }
 
+Frame Scene::drawBlended(std::vector<LayerFrame>& parts) {
+  std::vector<Session*> sessions;
+  for (Layer* layer : layers()) sessions.push_back(layer->session.get());
+  std::vector<FrameReport> reports;
+  Frame frame = blendedFrame(sessions, *device, reports);
+  parts.clear();
+  const bool shows = !showsNothing(frame.picture);
+  for (const FrameReport& report : reports)
+    parts.push_back({report, shows && report.grey + report.black > 0});
+  return frame;
+}
+
 Frame Scene::drawLayers(std::vector<LayerFrame>& parts) {
   const Stopwatch watch;
   const std::vector<Layer*> all = layers();
@@ -359,6 +445,7 @@ Frame Scene::drawLayers(std::vector<LayerFrame>& parts) {
 Frame Scene::frame(std::vector<LayerFrame>* of_layers) {
   std::vector<LayerFrame> own;
   if (of_layers == nullptr) of_layers = &own;
+  if (blends()) return drawBlended(*of_layers);
   if (!more.empty()) return drawLayers(*of_layers);
   Frame frame = session->frame();
   if (share) frame.picture = share->picture();

@@ -3,7 +3,8 @@
 //
 // A picture may show several channels of the volume. Each is a layer: a source of its own with its
 // look and session, drawn as an ordinary frame from the same camera. The picture is the sum of the
-// layers' pictures (added_pictures.h). The memory is shared out evenly among the layers.
+// layers' pictures (added_pictures.h), or one in which all layers are blended sample by sample
+// (blended_frame.h). The memory is shared out evenly among the layers.
 //
 // Used on one thread, the device's; workers of the pool run inside the calls.
 #pragma once
@@ -13,6 +14,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "cache/trace/trace.h"
@@ -162,6 +164,8 @@ struct Scene : Layer {
   // The layers, the first one included.
   std::vector<const Layer*> layers() const;
   std::vector<Layer*> layers();
+  // Whether its layers are blended.
+  bool blends() const { return asked.combine == Combine::kBlend && !more.empty(); }
   // "not 3; give one --channel", for messages about several layers.
   std::string notOneChannel() const;
   // The options of a layer's frames, of those that setOptions() got.
@@ -180,14 +184,24 @@ struct Scene : Layer {
   std::vector<std::unique_ptr<Layer>> more;  // the further layers; their sessions end first
 
  private:
-  void openSession(Layer& layer, const FrameOptions& frame, uint64_t more_bytes);
+  // Sets a layer's pages and what is held beside the levels.
+  void shareOut(Layer& layer, const FrameOptions& frame, uint64_t more_bytes);
+  void openSession(Layer& layer, Partition partition);
+  // Throws Error if the layers cannot be blended in such frames.
+  void requireBlendable(const LookArguments& look, const FrameOptions& options) const;
   // The sum of the layers' next frames.
   Frame drawLayers(std::vector<LayerFrame>& parts);
+  // The layers' next frame, blended.
+  Frame drawBlended(std::vector<LayerFrame>& parts);
 };
 
 // The bytes that a frame holds in addition to the levels and the picture: min-max arrays, plans,
 // and the light that arrives if the frame's lighting looks around.
 uint64_t othersBytes(const IndexedVolume& volume, const TransferFunction& transfer,
                      const FrameOptions& frame, WorkerPool& pool);
+
+// Gives the pages of each volume room for as many blocks, so that their clusters are the same, as
+// blending them takes (blended_frame.h).
+void evenOutPages(const std::vector<std::pair<const IndexedVolume*, PageGeometry*>>& pages);
 
 }  // namespace sluice

@@ -262,8 +262,10 @@ std::string lookOptions(const LookArguments& asked, const std::vector<const Show
     if (!channel->is_over) channels += (channels.empty() ? "" : ",") + channel->id();
   }
   const ShownChannel& first = *shown.front();
-  if (first.is_alone && ownLook(asked, first) == nullptr) return first_options + looks;
+  if (first.is_alone && ownLook(asked, first) == nullptr)
+    return first_options + looks + (asked.combine == Combine::kBlend ? " --combine blend" : "");
   std::string text = "--channel " + channels;
+  if (asked.combine == Combine::kBlend) text += " --combine blend";
   if (asked.threshold) text += fmt::format(" --threshold {}", *asked.threshold);
   if (!asked.transfer_file.empty()) text += " --transfer " + shellWord(asked.transfer_file);
   if (asked.labels) text += " --labels";

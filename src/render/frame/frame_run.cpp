@@ -6,6 +6,7 @@
 #include "src/base/error.h"
 #include "src/base/threads/clock.h"
 #include "src/device/picture_rows.h"
+#include "src/render/frame/loaded_boxes.h"
 #include "src/texture/frame_trace.h"
 
 namespace sluice {
@@ -16,21 +17,6 @@ constexpr size_t kMostBoxesAtOnce = 1 << 14;
 
 void append(std::vector<BoxDraw>& to, const std::vector<BoxDraw>& boxes) {
   to.insert(to.end(), boxes.begin(), boxes.end());
-}
-
-// `level` is the block's.
-BoxDraw boxDraw(const TextureBlock& block, const LevelPlacement& level) {
-  BoxDraw box;
-  box.cells = block.cells;
-  TexelMap& texels = box.texels;
-  texels.axes = textureAxes(block.trimming_axis);
-  for (int a = 0; a < 3; ++a) {
-    const int axis = texels.axes[static_cast<size_t>(a)];
-    texels.scale[a] = 1 / level.scale[axis];
-    texels.offset[a] = static_cast<double>(block.at[a] - block.voxels.lo[axis]) -
-                       level.offset[axis] / level.scale[axis];
-  }
-  return box;
 }
 
 }  // namespace
@@ -112,22 +98,12 @@ FrameRun::Deadline FrameRun::deadline() const {
 }
 
 void FrameRun::makeResident(const ReadAhead::Taken& taken) {
-  for (size_t i = 0; i < taken.texels.size(); ++i) {
-    const ChunkPosition chunk = taken.step.chunks[i];
-    const ChunkName name = values_.plan->names[chunk];
-    ChunkTexelsPtr texels = taken.texels[i];
-    // The texels come first: a chunk that cannot be read is one that the model was never asked for.
-    if (texels == nullptr && !residency_.isResident(name)) {
-      if (options_.time_limit_s) continue;
-      texels = ahead_->takeOne(chunk);
-    }
+  const auto request = [&](ChunkPosition chunk, ChunkName name) {
     if (trace_ != nullptr)
       trace_->write(requestFor(textures(), chunk, name, taken.step.cluster, number_));
-    const Residency::Made made = residency_.makeResident(*values_.plan, chunk, texels);
-    report_.pages_loaded += made.pages;
-    report_.uploaded_bytes += made.copied_bytes;
-    report_.stages.upload += made.seconds;
-  }
+  };
+  loadChunks(taken, *values_.plan, *ahead_, residency_, options_.time_limit_s.has_value(), report_,
+             request);
 }
 
 void FrameRun::drawBlocks(const std::vector<BlockPosition>& order) {
@@ -155,7 +131,7 @@ void FrameRun::drawBlocks(const std::vector<BlockPosition>& order) {
 
 void FrameRun::drawBlock(BlockPosition position) {
   const TextureBlock& block = textures().blocks[position];
-  BoxDraw box = boxDraw(block, textures().pyramid.of(block.name).placement);
+  BoxDraw box = boxDraw(textures(), block);
   VisibleBoxesPtr boxes;
   if (boxes_) {
     const Stopwatch watch;
@@ -201,21 +177,8 @@ void FrameRun::flushBoxes() {
 }
 
 void FrameRun::gatherCounters() {
-  report_.decoded_bytes = tally_->decoded_bytes;
-  report_.copied_bytes = tally_->copied_bytes;
-  report_.stages.read = secondsOf(tally_->read_ns);
-  report_.stages.decode = secondsOf(tally_->decode_ns);
-  report_.stages.copy = secondsOf(tally_->copy_ns);
-  report_.white = values_.visible->white;
-  report_.grey = values_.visible->grey;
-  report_.black = values_.visible->black;
-  report_.cut = values_.visible->cut;
+  addCounts(*values_.visible, *values_.plan, *tally_, report_);
   report_.before = last_.blocks;
-  const FramePlan& plan = *values_.plan;
-  report_.clusters = static_cast<int64_t>(plan.textures.clusters.size());
-  report_.chunks = static_cast<int64_t>(plan.textures.chunks.size());
-  report_.pages = plan.pages;
-  report_.rebuild = plan.rebuild;
   if (!occlusion_) return;
   const double seconds = report_.occlusion.seconds;
   report_.occlusion = occlusion_->report();

@@ -105,6 +105,25 @@ std::optional<FrameReport> Session::withoutBlocks() {
   return report;
 }
 
+Session::Part Session::part() {
+  SLUICE_CHECK(transfer_ != nullptr);
+  takeLearntRanges();
+  FrameOptions options = options_;
+  options.cut.reset();
+  options.integrates = false;
+  const LookPtr look = planner_.look(step_, transfer_, options.mode);
+  const View view = resolve(options.camera, step_.source->layout(), options.size, options.step_vox);
+  const VisibleBlocksPtr visible = planner_.visibleBlocks(step_, look, view, options);
+  visible_ = visible;
+  const FramePlanPtr plan = planner_.plan(step_, visible, options);
+  lessons_ = {};
+  read_afterwards_.reset();
+  afterwards_.reset();
+  residency_.forgetUnused(*plan);
+  ++frame_number_;
+  return {step_, look, visible, plan, &residency_, options, session_.lit && options.shades};
+}
+
 void Session::readAfterwards(const TimeStep& next) {
   const VolumeLayout& volume = next.source->layout();
   const View view = resolve(options_.camera, volume, options_.size, options_.step_vox);

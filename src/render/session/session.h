@@ -71,6 +71,19 @@ class Session {
   // Draws. Throws Error, and Interrupted when FrameOptions::stop asks for it; the next frame is
   // right anyway. Requires: a transfer function is set.
   Frame frame();
+  // What the next frame would be drawn from, for a frame that shows several sessions as one medium
+  // (blended_frame.h). It is of the finest level, whole, without occlusion. Of sessions of one grid
+  // and one number of pages, the clusters of the plans are the same parts of the volume.
+  struct Part {
+    TimeStep step;
+    LookPtr look;
+    VisibleBlocksPtr visible;
+    FramePlanPtr plan;
+    Residency* residency = nullptr;
+    FrameOptions options;
+    bool lit = false;
+  };
+  Part part();
   // The report of the next frame if no block shows anything in it, so that it need not be drawn;
   // nullopt: it has to be. The planner keeps what it found for the frame.
   std::optional<FrameReport> withoutBlocks();

@@ -216,9 +216,11 @@ std::vector<OptionEntry> makeTable() {
           {Form::kChannels},
           "C:COLOR[,LO:HI[,A]]",
           "Several channels: the colour or map of channel C, or 'labels', and the values over "
-          "which "
-          "its opacity rises from 0 to A; may be given for each; C is 'over' for the volume of "
-          "--over (what the file says, else automatic)"}),
+          "which its opacity rises from 0 to A; may be given for each; C is 'over' for the volume "
+          "of --over (what the file says, else automatic)"}),
+      in(&Look::combine, {"combine", "--combine", 11, wordOf({"add", "blend"}), "",
+                          "Several channels: their pictures added up, or each sample blended of "
+                          "all as one medium"}),
       in(&Look::surfaces,
          {"surfaces",
           "--iso",

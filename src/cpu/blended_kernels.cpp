@@ -1,0 +1,262 @@
+// Composite of several channels as one medium, see FrameSetup::others: a packet of pixels goes
+// through the boxes of a block together, each with the texels and the look of its channel.
+#include <algorithm>
+#include <array>
+
+// Highway requires this order.
+// clang-format off
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "src/cpu/blended_kernels.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+#include <hwy/contrib/math/math-inl.h>
+// clang-format on
+
+#include "src/cpu/kernel_set.h"
+#include "src/cpu/kernel_values.h"
+#include "src/cpu/leap_grid.h"
+#include "src/cpu/packed_entries.h"
+#include "src/device/blue_noise.h"
+
+#if SLUICE_HAS_KERNELS
+HWY_BEFORE_NAMESPACE();
+namespace sluice::HWY_NAMESPACE {
+namespace {
+namespace hn = hwy::HWY_NAMESPACE;
+
+// Each needs those before it.
+// clang-format off
+#include "src/cpu/rays.inl"
+#include "src/cpu/loads.inl"
+#include "src/cpu/texels.inl"
+#include "src/cpu/colors.inl"
+#include "src/cpu/lighting.inl"
+#include "src/cpu/leaps.inl"
+#include "src/cpu/segments.inl"
+#include "src/cpu/sample_colors.inl"
+#include "src/cpu/pixels.inl"
+// clang-format on
+
+// Slices between two looks for what to leap over; of each the channels' samples are kept.
+constexpr int kSlicesAtOnce = 8;
+
+// What the channels show of a slice.
+struct Mixture {
+  Color sum;
+  V clear;  // the product of 1 - opacity
+};
+
+// The way of a packet through a channel's box. Slices count as FrameSetup has them.
+struct ChannelWay {
+  const KernelFrame* frame;
+  const KernelBox* box;
+  V3 first, pace;  // texel coordinates at slice `start`, and from slice to slice
+  V start, from, end;
+  V ray_length;
+  Cells cells;
+  BrickWay bricks;
+  V shown;  // the next slice that may show something, or about
+};
+
+// Adds the channel's samples at slices k, k + 1, ... to the mixtures of these slices.
+using AddSamples = void (*)(const ChannelWay& way, const V& k, int slices, const M& going,
+                            Mixture* mixtures, VI& taken);
+
+template <DeviceType kType, Shading kShading>
+HWY_NOINLINE void addSamples(const ChannelWay& way, const V& k, int slices, const M& going,
+                             Mixture* mixtures, VI& taken) {
+  const KernelFrame& frame = *way.frame;
+  const KernelBox& box = *way.box;
+  const V one = all(1.0F);
+  V slice = k;
+  for (int j = 0; j < slices; ++j, slice = hn::Add(slice, one)) {
+    M shows = hn::And(going, hn::And(hn::Ge(slice, way.from), hn::Lt(slice, way.end)));
+    if (hn::AllFalse(F(), shows)) continue;
+    if (frame.counts_taken)
+      taken = hn::Sub(taken, hn::VecFromMask(I(), hn::RebindMask(I(), shows)));
+    // Lanes outside the box read its nearest texels.
+    const V within = hn::Min(hn::Max(slice, way.from), way.end);
+    const V part = hn::Sub(within, way.start);
+    V3 at{hn::MulAdd(part, way.pace.x, way.first.x), hn::MulAdd(part, way.pace.y, way.first.y),
+          hn::MulAdd(part, way.pace.z, way.first.z)};
+    at = clamped(way.cells, at);
+    const Place place = placeAt(way.cells, at);
+    const V value = frame.labels ? labelAt<kType>(box, place) : valueAt<kType>(box, place);
+    if (kType == DeviceType::kF32) shows = hn::AndNot(isNoNumber(value), shows);
+    if (!frame.shades_every_sample) {
+      shows = hn::And(shows, hn::And(hn::Ge(value, all(frame.least_visible)),
+                                     hn::Le(value, all(frame.most_visible))));
+      if (hn::AllFalse(F(), shows)) continue;
+    }
+    const Color color =
+        colorOf<kType, kShading>(frame, box, at, place, value, value, way.ray_length);
+    Mixture& to = mixtures[j];
+    to.sum = {hn::Add(to.sum.r, hn::IfThenElseZero(shows, color.r)),
+              hn::Add(to.sum.g, hn::IfThenElseZero(shows, color.g)),
+              hn::Add(to.sum.b, hn::IfThenElseZero(shows, color.b)),
+              hn::Add(to.sum.a, hn::IfThenElseZero(shows, color.a))};
+    to.clear = hn::Mul(to.clear, hn::IfThenElse(shows, hn::Sub(one, color.a), one));
+  }
+}
+
+template <DeviceType kType>
+AddSamples addingTyped(const KernelFrame& frame) {
+  if (frame.lit || frame.rows > 0) return &addSamples<kType, Shading::kGradients>;
+  if (frame.perspective) return &addSamples<kType, Shading::kLength>;
+  return &addSamples<kType, Shading::kTable>;
+}
+AddSamples addingOf(const KernelFrame& frame) {
+  switch (frame.type) {
+    case DeviceType::kU8:
+      return addingTyped<DeviceType::kU8>(frame);
+    case DeviceType::kU16:
+      return addingTyped<DeviceType::kU16>(frame);
+    case DeviceType::kF32:
+      break;
+  }
+  return addingTyped<DeviceType::kF32>(frame);
+}
+
+// The colour of a slice: opacities multiply as those of media that fill the same space do, and the
+// colours are the mean by opacity.
+HWY_INLINE Color colorOf(const Mixture& mixture) {
+  const V a = hn::Sub(all(1.0F), mixture.clear);
+  const V scale = hn::Div(a, hn::Max(mixture.sum.a, all(1e-20F)));
+  return {hn::Mul(mixture.sum.r, scale), hn::Mul(mixture.sum.g, scale),
+          hn::Mul(mixture.sum.b, scale), a};
+}
+
+// The ways of a packet through a block's boxes.
+struct BlockWay {
+  std::array<ChannelWay, kMostBlended> ways;
+  std::array<AddSamples, kMostBlended> adds;
+  int count = 0;
+  V from, end;  // of all
+  V middle;     // of a slice, in slices
+};
+
+HWY_INLINE void addWay(const KernelFrame& frame, const KernelBox& box, const TilePixels& tile,
+                       const Packet& packet, const V3& step, AddSamples adding,
+                       BlockWay& all_ways) {
+  const Slices slices = slicesIn(frame, box, packet, step);
+  const M meets = hn::Gt(slices.count, hn::Zero(F()));
+  if (hn::AllFalse(F(), meets)) return;
+  ChannelWay& way = all_ways.ways[static_cast<size_t>(all_ways.count)];
+  const Positions positions = positionsIn(box, tile);
+  const bool is_long = frame.perspective || frame.lit || frame.rows > 0;
+  way.frame = &frame;
+  way.box = &box;
+  way.pace = texelsAlong(box, step);
+  way.first = fartherBy(packet.jitter, way.pace, texelsAt(box, voxelsOf(positions, packet)));
+  way.start = all(box.first_slice);
+  const V never = all(1e15F);
+  way.from = hn::IfThenElse(meets, hn::Add(slices.from, way.start), never);
+  way.end = hn::IfThenElse(meets, hn::Add(way.from, slices.count), hn::Neg(never));
+  way.ray_length = is_long ? rayLengthOf(frame, packet) : all(1.0F);
+  way.cells = cellsOf(box);
+  way.bricks = box.distances != nullptr ? brickWay(box, way.first, way.pace) : noBrickWay();
+  all_ways.adds[static_cast<size_t>(all_ways.count)] = adding;
+  all_ways.from = all_ways.count == 0 ? way.from : hn::Min(all_ways.from, way.from);
+  all_ways.end = all_ways.count == 0 ? way.end : hn::Max(all_ways.end, way.end);
+  ++all_ways.count;
+}
+
+// The first slices from k on at which some channel may show something; sets each way's own.
+HWY_INLINE V nextSlices(BlockWay& block, const V& k, const M& going) {
+  V next = block.end;
+  for (int c = 0; c < block.count; ++c) {
+    ChannelWay& way = block.ways[static_cast<size_t>(c)];
+    V shown = hn::Max(k, way.from);
+    if (way.box->distances != nullptr) {
+      bool leapt = false;
+      const M asked = hn::And(going, hn::Lt(shown, way.end));
+      const V at = hn::IfThenElse(asked, hn::Sub(shown, way.start), hn::Zero(F()));
+      const V end = hn::IfThenElse(asked, hn::Sub(way.end, way.start), hn::Zero(F()));
+      shown = hn::IfThenElse(
+          asked, hn::Add(nextShown(*way.box, way.bricks, at, end, leapt), way.start), shown);
+    }
+    way.shown = hn::IfThenElse(hn::Lt(shown, way.end), shown, block.end);
+    next = hn::Min(next, way.shown);
+  }
+  return next;
+}
+
+// The block for one packet.
+HWY_INLINE void drawBlock(const KernelFrame& frame, BlockWay& block, const M& going_at_first,
+                          Pixels& pixels) {
+  M going = going_at_first;
+  V in_box = hn::Zero(F());
+  V k = block.from;
+  std::array<Mixture, kSlicesAtOnce> mixtures;
+  const V none = hn::Zero(F()), one = all(1.0F);
+  for (;;) {
+    k = nextSlices(block, k, going);
+    const V left = hn::IfThenElseZero(going, hn::Sub(block.end, k));
+    const float most = hn::GetLane(hn::MaxOfLanes(F(), left));
+    if (!(most > 0)) return;
+    const int slices = static_cast<int>(std::min<float>(most, kSlicesAtOnce));
+    for (int j = 0; j < slices; ++j)
+      mixtures[static_cast<size_t>(j)] = {{none, none, none, none}, one};
+    const V end = hn::Add(k, all(static_cast<float>(slices)));
+    for (int c = 0; c < block.count; ++c) {
+      const ChannelWay& way = block.ways[static_cast<size_t>(c)];
+      const M soon = hn::And(going, hn::And(hn::Lt(way.shown, end), hn::Gt(way.end, k)));
+      if (!hn::AllFalse(F(), soon))
+        block.adds[static_cast<size_t>(c)](way, k, slices, going, mixtures.data(), pixels.taken);
+    }
+    for (int j = 0; j < slices; ++j, k = hn::Add(k, one)) {
+      const Color color = colorOf(mixtures[static_cast<size_t>(j)]);
+      const M shows = hn::And(going, hn::Gt(color.a, none));
+      if (hn::AllFalse(F(), shows)) continue;
+      layBehind(frame, color, shows, hn::Add(k, block.middle), pixels);
+      if (frame.box_opacity <= 1) {
+        in_box = hn::MulAdd(hn::Sub(one, in_box), hn::IfThenElseZero(shows, color.a), in_box);
+        going = hn::And(going, hn::Lt(in_box, all(frame.box_opacity)));
+      }
+      going = hn::And(going, hn::Lt(pixels.sum.a, all(frame.ray_opacity)));
+      if (hn::AllFalse(F(), going)) return;
+    }
+  }
+}
+
+// The box at the front of a block's boxes, and those that join it.
+HWY_NOINLINE void drawBoxes(const KernelFrame* const* frames, const AddSamples* adds,
+                            const KernelBox* boxes, TilePixels& tile) {
+  const KernelFrame& frame = *frames[0];
+  const auto [x_lo, y_lo, x_hi, y_hi] = packetsOf(boxes[0], tile);
+  for (int y = y_lo; y < y_hi; y += kPacketHeight)
+    for (int x = x_lo; x < x_hi; x += kPacketWidth) {
+      const int at = (y / kPacketHeight * (kTileSide / kPacketWidth) + x / kPacketWidth) * kLanes;
+      Pixels pixels = loadPixels(frame, tile, at);
+      const M going = goingOf(frame, tile, at, pixels.sum.a);
+      if (hn::AllFalse(F(), going)) continue;
+      const Packet packet = packetAt(frame, tile, x, y);
+      const V3 step = stepOf(frame, packet);
+      BlockWay block;
+      block.middle = hn::Add(packet.jitter, all(0.5F));
+      for (uint32_t i = 0; i <= boxes[0].joined; ++i) {
+        const uint32_t channel = boxes[i].channel;
+        addWay(*frames[channel], boxes[i], tile, packet, step, adds[channel], block);
+      }
+      if (block.count == 0) continue;
+      drawBlock(frame, block, going, pixels);
+      storePixels(frame, pixels, tile, at);
+    }
+}
+
+}  // namespace
+
+void drawBlended(const KernelFrame* const* frames, size_t channels, const KernelBox* boxes,
+                 const uint32_t* indices, size_t count, TilePixels& tile) {
+  std::array<AddSamples, kMostBlended> adds{};
+  for (size_t c = 0; c < channels; ++c) adds[c] = addingOf(*frames[c]);
+  constexpr size_t kBlocksBetweenLooks = 8;
+  for (size_t i = 0; i < count; ++i) {
+    if (i % kBlocksBetweenLooks == 0 && isThrough(*frames[0], tile)) return;
+    drawBoxes(frames, adds.data(), boxes + indices[i], tile);
+  }
+}
+
+}  // namespace sluice::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+#endif

@@ -1,0 +1,230 @@
+#include "src/render/session/blended_frame.h"
+
+#include <algorithm>
+#include <chrono>
+#include <map>
+#include <memory>
+#include <optional>
+#include <unordered_map>
+#include <utility>
+
+#include "src/base/error.h"
+#include "src/base/threads/clock.h"
+#include "src/device/picture_rows.h"
+#include "src/render/camera/frame_setup.h"
+#include "src/render/frame/draw_order.h"
+#include "src/render/frame/loaded_boxes.h"
+
+namespace sluice {
+namespace {
+
+// The blocks that show something in any channel, with the hull of their object boxes.
+VisibleBlocks unionOf(const std::vector<Session::Part>& parts) {
+  std::map<int64_t, ObjectBlock> blocks;  // channels may show different time steps
+  for (const Session::Part& part : parts)
+    for (const ObjectBlock& object : part.visible->blocks) {
+      const auto [found, fresh] = blocks.emplace(object.name.block, object);
+      if (!fresh) found->second.cells = unite(found->second.cells, object.cells);
+    }
+  VisibleBlocks all;
+  for (auto& [block, object] : blocks) {
+    object.trimming_axis = shortestAxis(object.cells.size());
+    all.blocks.push_back(object);
+  }
+  return all;
+}
+
+// The clusters and blocks of all channels, for the order of the visit: chunks are the channels'
+// own.
+TexturePlan unionPlan(const std::vector<Session::Part>& parts) {
+  const Session::Part& first = parts.front();
+  const TexturePlan& textures = first.plan->textures;
+  const Algorithm algorithm =
+      first.options.algorithm == Algorithm::kMerged ? Algorithm::kTrimmed : first.options.algorithm;
+  return planTextures(textures.pyramid, unionOf(parts), textures.page,
+                      {algorithm, first.options.merge_order, first.step.time,
+                       cropCells(first.options, first.step.ranges->layout.dims)});
+}
+
+int64_t linear(const TexturePlan& textures, const Cluster& cluster) {
+  const Vec3i count = textures.cluster_grids.front().count, at = cluster.index;
+  return (at.z * count.y + at.y) * count.x + at.x;
+}
+
+// A channel while the frame is drawn.
+class ChannelRun {
+ public:
+  ChannelRun(const Session::Part& part, const TexturePlan& all, const DrawOrder& visit,
+             uint32_t channel)
+      : part_(part), channel_(channel) {
+    const TexturePlan& textures = part.plan->textures;
+    SLUICE_CHECK(textures.cluster_blocks == all.cluster_blocks);
+    for (const ClusterPosition i : textures.clusters.indices())
+      clusters_.emplace(linear(textures, textures.clusters[i]), i);
+    for (const BlockPosition i : textures.blocks.indices())
+      blocks_.emplace(textures.blocks[i].name.block, i);
+    DrawOrder own{visit.eye, {}};
+    for (const Visit& each : visit.visits)
+      if (const auto found = clusters_.find(linear(all, all.clusters[each.cluster]));
+          found != clusters_.end())
+        own.visits.push_back({.cluster = found->second, .draws = true, .blocks = {}});
+    const ReadPurpose purpose{tally_, part.options.stop};
+    ahead_ = std::make_unique<ReadAhead>(residency(), part.plan, own, purpose);
+    residency().unpinAll();
+  }
+  ~ChannelRun() {
+    ahead_.reset();
+    residency().chunks().waitUntilIdle();
+  }
+  ChannelRun(const ChannelRun&) = delete;
+  ChannelRun& operator=(const ChannelRun&) = delete;
+
+  // Makes the chunks of a cluster of all channels resident.
+  void load(int64_t cluster, const ReadAhead::Deadline& deadline) {
+    if (!clusters_.contains(cluster)) return;
+    while (const auto taken = ahead_->take(deadline)) {
+      part_.options.stop.throwIfStopped();
+      loadChunks(*taken, *part_.plan, *ahead_, residency(), deadline.has_value(), report_);
+      if (taken->step.completes_cluster) return;
+    }
+  }
+  // Appends the channel's box of a block, if it has one and its chunk is there.
+  void append(int64_t block_id, std::vector<BoxDraw>& boxes, bool joins) {
+    const auto found = blocks_.find(block_id);
+    if (found == blocks_.end()) return;
+    const TexturePlan& textures = part_.plan->textures;
+    const TextureBlock& block = textures.blocks[found->second];
+    if (block.cells.empty()) return;  // loaded whole, shows nothing (algorithm II)
+    const ChunkName chunk = part_.plan->names[block.chunk];
+    if (!residency().isResident(chunk)) {
+      missing_cells_ += static_cast<double>(block.cells.count());  // left out at the time limit
+      return;
+    }
+    BoxDraw box = boxDraw(textures, block);
+    box.chunk = residency().idOf(chunk);
+    box.channel = channel_;
+    box.joins = joins;
+    boxes.push_back(box);
+    ++report_.boxes_drawn;
+  }
+  void unpinAll() { residency().unpinAll(); }
+  FrameReport report() {
+    addCounts(*part_.visible, *part_.plan, *tally_, report_);
+    if (missing_cells_ > 0)
+      report_.missing_share = missing_cells_ / static_cast<double>(part_.plan->cells);
+    report_.step_vox = part_.options.step_vox;
+    return report_;
+  }
+
+ private:
+  Residency& residency() const { return *part_.residency; }
+
+  const Session::Part& part_;
+  const uint32_t channel_;
+  const std::shared_ptr<ReadTally> tally_ = std::make_shared<ReadTally>();
+  std::unordered_map<int64_t, ClusterPosition> clusters_;  // by place in the grid
+  std::unordered_map<int64_t, BlockPosition> blocks_;      // by id
+  std::unique_ptr<ReadAhead> ahead_;
+  FrameReport report_;
+  double missing_cells_ = 0;
+};
+
+FrameSetup setupOf(const std::vector<Session::Part>& parts, const View& view) {
+  std::vector<FrameSetup> setups;
+  for (const Session::Part& part : parts)
+    setups.push_back(frameSetup(view, part.step.source->layout(), *part.look, part.step.ranges->map,
+                                part.options, part.lit));
+  FrameSetup first = std::move(setups.front());
+  setups.erase(setups.begin());
+  first.others = std::move(setups);
+  return first;
+}
+
+// Ends a frame that throws.
+class DeviceFrame {
+ public:
+  explicit DeviceFrame(Device& device) : device_(device) {}
+  ~DeviceFrame() { device_.cancelFrame(); }
+  DeviceFrame(const DeviceFrame&) = delete;
+  DeviceFrame& operator=(const DeviceFrame&) = delete;
+
+ private:
+  Device& device_;
+};
+
+}  // namespace
+
+Frame blendedFrame(std::span<Session* const> sessions, Device& device,
+                   std::vector<FrameReport>& reports) {
+  const auto asked_at = std::chrono::steady_clock::now();
+  const Stopwatch watch;
+  Stopwatch stage;
+  std::vector<Session::Part> parts;
+  for (Session* session : sessions) parts.push_back(session->part());
+  const Session::Part& first = parts.front();
+  const FrameOptions& options = first.options;
+  const VolumeLayout& volume = first.step.source->layout();
+  const View view = resolve(options.camera, volume, options.size, options.step_vox);
+  const double classify_s = stage.lap();
+  const TexturePlan all = unionPlan(parts);
+  const DrawOrder order = makeDrawOrder(all, eyePosition(view, volume), Arrangement::kRows);
+  const FrameSetup setup = setupOf(parts, view);
+  const double plan_s = stage.lap();
+
+  ReadAhead::Deadline deadline;
+  if (options.time_limit_s)
+    deadline = asked_at + std::chrono::duration_cast<std::chrono::nanoseconds>(
+                              std::chrono::duration<double>(*options.time_limit_s));
+  const DeviceFrame ends(device);
+  device.beginFrame(setup, options.stop);
+  std::vector<std::unique_ptr<ChannelRun>> channels;
+  for (const Session::Part& part : parts)
+    channels.push_back(
+        std::make_unique<ChannelRun>(part, all, order, static_cast<uint32_t>(channels.size())));
+  const std::optional<PictureRows> rows = rowsOf(device);
+  std::vector<BoxDraw> boxes, counted;
+  double draw_s = 0;
+  for (size_t i = 0; i < order.visits.size(); ++i) {
+    if (options.watch) options.watch(i, order.visits.size());
+    options.stop.throwIfStopped();
+    const Visit& visit = order.visits[i];
+    for (const auto& channel : channels)
+      channel->load(linear(all, all.clusters[visit.cluster]), deadline);
+    stage.lap();
+    for (const BlockPosition position : visit.blocks) {
+      const TextureBlock& block = all.blocks[position];
+      if (rows && !overlap(*rows, rowsOf(setup, block.cells))) continue;
+      const size_t before = boxes.size();
+      for (const auto& channel : channels)
+        channel->append(block.name.block, boxes, boxes.size() > before);
+    }
+    if (!boxes.empty()) device.draw(boxes);
+    if (options.count_samples) counted.insert(counted.end(), boxes.begin(), boxes.end());
+    boxes.clear();
+    for (const auto& channel : channels) channel->unpinAll();
+    draw_s += stage.lap();
+  }
+  if (options.watch) options.watch(order.visits.size(), order.visits.size());
+  Frame frame;
+  frame.picture = device.endFrame();
+  draw_s += stage.lap();
+  reports.clear();
+  for (const auto& channel : channels) reports.push_back(channel->report());
+  FrameReport& work = reports.front();
+  work.stages.classify = classify_s;
+  work.stages.plan = plan_s;
+  work.stages.draw = draw_s;
+  if (options.count_samples) {
+    const uint64_t taken = setup.counts_taken ? device.takenSamples() : 0;
+    work.samples_drawn = device.countSamples(counted);
+    work.samples_taken = setup.counts_taken ? taken : work.samples_drawn;
+  }
+  work.seconds = watch.seconds();
+  frame.report = reports.front();
+  for (size_t i = 1; i < reports.size(); ++i) addLayer(frame.report, reports[i]);
+  frame.report.seconds = watch.seconds();
+  frame.blocks = first.visible;
+  return frame;
+}
+
+}  // namespace sluice
