@@ -107,7 +107,7 @@ void addFrameOptions(CLI::App& app, FrameOptions& options) {
                "boxes; map makes the opacity map but skips nothing");
   group.number("--opacity-threshold", "A", options.opacity_threshold, {0, 1, true},
                "Opacity at which a ray ends and hides everything behind; 1 changes no picture (1; "
-               "with --occlusion 0.95)");
+               "with --occlusion or --culling 0.95)");
   group.parsed(
       "--time-limit", "SECONDS", "a number from 0 to 1e+09, also with a unit, as in 1s or 500ms",
       parseSeconds, [&options](double seconds) { options.time_limit_s = seconds; },
