@@ -39,6 +39,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 // Slices between two looks for what to leap over; of each the channels' samples are kept.
 constexpr int kSlicesAtOnce = 8;
+constexpr float kMostAtOnce = kSlicesAtOnce;
 
 // What the channels show of a slice.
 struct Mixture {
@@ -58,28 +59,27 @@ struct ChannelWay {
   V shown;  // the next slice that may show something, or about
 };
 
-// Adds the channel's samples at slices k, k + 1, ... to the mixtures of these slices.
-using AddSamples = void (*)(const ChannelWay& way, const V& k, int slices, const M& going,
+// Adds the channel's samples at slices k + first, ..., k + last - 1 to the mixtures of slices from
+// k on.
+using AddSamples = void (*)(const ChannelWay& way, const V& k, int first, int last, const M& going,
                             Mixture* mixtures, VI& taken);
 
 template <DeviceType kType, Shading kShading>
-HWY_NOINLINE void addSamples(const ChannelWay& way, const V& k, int slices, const M& going,
+HWY_NOINLINE void addSamples(const ChannelWay& way, const V& k, int first, int last, const M& going,
                              Mixture* mixtures, VI& taken) {
   const KernelFrame& frame = *way.frame;
   const KernelBox& box = *way.box;
   const V one = all(1.0F);
-  V slice = k;
-  for (int j = 0; j < slices; ++j, slice = hn::Add(slice, one)) {
+  V slice = hn::Add(k, all(static_cast<float>(first)));
+  for (int j = first; j < last; ++j, slice = hn::Add(slice, one)) {
     M shows = hn::And(going, hn::And(hn::Ge(slice, way.from), hn::Lt(slice, way.end)));
-    if (hn::AllFalse(F(), shows)) continue;
     if (frame.counts_taken)
       taken = hn::Sub(taken, hn::VecFromMask(I(), hn::RebindMask(I(), shows)));
+    const V part = hn::Sub(slice, way.start);
     // Lanes outside the box read its nearest texels.
-    const V within = hn::Min(hn::Max(slice, way.from), way.end);
-    const V part = hn::Sub(within, way.start);
-    V3 at{hn::MulAdd(part, way.pace.x, way.first.x), hn::MulAdd(part, way.pace.y, way.first.y),
-          hn::MulAdd(part, way.pace.z, way.first.z)};
-    at = clamped(way.cells, at);
+    const V3 at = clamped(way.cells, {hn::MulAdd(part, way.pace.x, way.first.x),
+                                      hn::MulAdd(part, way.pace.y, way.first.y),
+                                      hn::MulAdd(part, way.pace.z, way.first.z)});
     const Place place = placeAt(way.cells, at);
     const V value = frame.labels ? labelAt<kType>(box, place) : valueAt<kType>(box, place);
     if (kType == DeviceType::kF32) shows = hn::AndNot(isNoNumber(value), shows);
@@ -197,17 +197,27 @@ HWY_INLINE void drawBlock(const KernelFrame& frame, BlockWay& block, const M& go
     const int slices = static_cast<int>(std::min<float>(most, kSlicesAtOnce));
     for (int j = 0; j < slices; ++j)
       mixtures[static_cast<size_t>(j)] = {{none, none, none, none}, one};
-    const V end = hn::Add(k, all(static_cast<float>(slices)));
+    int adding = 0;
     for (int c = 0; c < block.count; ++c) {
       const ChannelWay& way = block.ways[static_cast<size_t>(c)];
-      const M soon = hn::And(going, hn::And(hn::Lt(way.shown, end), hn::Gt(way.end, k)));
-      if (!hn::AllFalse(F(), soon))
-        block.adds[static_cast<size_t>(c)](way, k, slices, going, mixtures.data(), pixels.taken);
+      // The slices that some lane has in the box, from the first on that may show something.
+      const M within = hn::And(going, hn::Lt(way.shown, way.end));
+      if (hn::AllFalse(F(), within)) continue;
+      const V far = all(static_cast<float>(slices));
+      const V from = hn::IfThenElse(within, hn::Sub(way.shown, k), far);
+      const V to = hn::IfThenElseZero(within, hn::Min(hn::Sub(way.end, k), far));
+      const int first = static_cast<int>(
+          std::max(0.0F, std::min(kMostAtOnce, hn::GetLane(hn::MinOfLanes(F(), from)))));
+      const int last = static_cast<int>(hn::GetLane(hn::MaxOfLanes(F(), to)));
+      if (first >= last) continue;
+      block.adds[static_cast<size_t>(c)](way, k, first, last, going, mixtures.data(), pixels.taken);
+      ++adding;
     }
     for (int j = 0; j < slices; ++j, k = hn::Add(k, one)) {
-      const Color color = colorOf(mixtures[static_cast<size_t>(j)]);
-      const M shows = hn::And(going, hn::Gt(color.a, none));
+      const Mixture& mixture = mixtures[static_cast<size_t>(j)];
+      const M shows = hn::And(going, hn::Gt(mixture.sum.a, none));
       if (hn::AllFalse(F(), shows)) continue;
+      const Color color = adding > 1 ? colorOf(mixture) : mixture.sum;
       layBehind(frame, color, shows, hn::Add(k, block.middle), pixels);
       if (frame.box_opacity <= 1) {
         in_box = hn::MulAdd(hn::Sub(one, in_box), hn::IfThenElseZero(shows, color.a), in_box);

@@ -400,8 +400,24 @@ SceneFrame Scene::draw(const std::vector<PictureRows>& strips,
 }
 
 Frame Scene::drawBlended(std::vector<LayerFrame>& parts) {
-  std::vector<Session*> sessions;
-  for (Layer* layer : layers()) sessions.push_back(layer->session.get());
+  std::vector<Session*> sessions, showing;
+  std::vector<std::optional<FrameReport>> without_blocks;
+  for (Layer* layer : layers()) {
+    sessions.push_back(layer->session.get());
+    without_blocks.push_back(layer->session->withoutBlocks());
+    if (!without_blocks.back()) showing.push_back(sessions.back());
+  }
+  // A medium of one channel is that channel's own frame.
+  if (showing.size() == 1) {
+    Frame frame = showing.front()->frame();
+    parts.clear();
+    for (size_t i = 0; i < sessions.size(); ++i)
+      parts.push_back(without_blocks[i] ? LayerFrame{*without_blocks[i], false}
+                                        : LayerFrame{frame.report, !showsNothing(frame.picture)});
+    frame.report = parts.front().report;
+    for (size_t i = 1; i < parts.size(); ++i) addLayer(frame.report, parts[i].report);
+    return frame;
+  }
   std::vector<FrameReport> reports;
   Frame frame = blendedFrame(sessions, *device, reports);
   parts.clear();
