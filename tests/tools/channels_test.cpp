@@ -132,6 +132,21 @@ TEST_F(Channels, blendedWithOneThatShowsNothingIsThePictureOfTheOther) {
   }
 }
 
+// Strips load the blocks that they show alone, of which the cache keeps few here.
+TEST_F(Channels, blendedStripsLoadTheirPartAlone) {
+  const std::string command =
+      "render cells.ome.zarr --combine blend --step 1 --size 2000x1500 --force --quiet --block 16 "
+      "--page 16x16x16 --pages 8 ";
+  const auto whole = program_.json(command + "-o whole.png");
+  const auto strips = program_.json(command + "--memory 60M -o strips.png");
+  EXPECT_LE(difference("sum strips.png whole.png"), 0);
+  const auto loaded = [](const auto& report) {
+    return report["levels"]["texture_cache"]["pages_loaded"].template get<double>();
+  };
+  EXPECT_GT(loaded(strips), 5 * loaded(whole));
+  EXPECT_LT(loaded(strips), 25 * loaded(whole));  // 47 if each loads all
+}
+
 TEST_F(Channels, blendingIsRefusedInOneLineWhereItIsNotKnown) {
   for (const auto& [arguments, message] :
        {std::pair("--mode mip", "--combine blend needs --mode composite"),

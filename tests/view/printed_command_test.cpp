@@ -33,6 +33,8 @@ TEST(PrintedCommand, takesTheLookAsItIsDrawn) {
   EXPECT_NE(command.find("a.nrrd --map grey --range 0,255 --mode=mip --projection"),
             std::string::npos)
       << command;
+  state.look.channels = {{.channel = "1", .map = "green"}};
+  EXPECT_EQ(renderCommand(volume, state, "--map grey --range 0,255", 10, 10, "b.png"), command);
 }
 
 // The program draws levels of another program on request alone, the window at once.

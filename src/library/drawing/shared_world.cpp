@@ -105,7 +105,9 @@ FrameOptions frameOn(const VolumeLayout& to, const VolumeLayout& from, const Fra
   if (isSameGrid(to, from)) return frame;
   FrameOptions own = frame;
   own.camera = cameraOn(to, from, frame.camera, frame.size);
-  own.step_vox = stepOn(to, from, frame.step_vox);
+  // More than four samples a voxel add nothing, unless they are asked for.
+  constexpr double kFinestStep = 0.25;
+  own.step_vox = std::max(stepOn(to, from, frame.step_vox), std::min(frame.step_vox, kFinestStep));
   std::vector<WorldPlane> planes = frame.clip_planes;
   if (frame.crop)
     for (const WorldPlane& side : sidesOf(from, *frame.crop)) planes.push_back(side);

@@ -30,9 +30,9 @@ Camera cameraOn(const VolumeLayout& to, const VolumeLayout& from, const Camera& 
 std::optional<Box3> cropOn(const VolumeLayout& to, const VolumeLayout& from,
                            const std::optional<Box3>& crop);
 // The options of a frame of `from` for `to`, the same ones if the grids are. Slices have the same
-// distance in the world, the sides of a crop become clip planes, colours by depth span the depths
-// of `from`, and a level of resolution that was asked for is that of `from` alone. Throws as
-// resolve() does.
+// distance in the world, or a quarter of a voxel of `to` if that is more, the sides of a crop
+// become clip planes, colours by depth span the depths of `from`, and a level of resolution that
+// was asked for is that of `from` alone. Throws as resolve() does.
 FrameOptions frameOn(const VolumeLayout& to, const VolumeLayout& from, const FrameOptions& frame);
 // The step of `from`, in voxels, that is so many voxels of `to`.
 double stepOn(const VolumeLayout& from, const VolumeLayout& to, double step_vox);

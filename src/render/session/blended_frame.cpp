@@ -51,25 +51,38 @@ int64_t linear(const TexturePlan& textures, const Cluster& cluster) {
   return (at.z * count.y + at.y) * count.x + at.x;
 }
 
+// The frame that all channels are drawn in.
+struct SharedFrame {
+  const TexturePlan& all;
+  const DrawOrder& order;
+  const FrameSetup& setup;
+  std::optional<PictureRows> rows;  // the strip that is drawn; unset: the whole picture
+
+  bool shows(const Box3& cells) const { return !rows || overlap(*rows, rowsOf(setup, cells)); }
+};
+
 // A channel while the frame is drawn.
 class ChannelRun {
  public:
-  ChannelRun(const Session::Part& part, const TexturePlan& all, const DrawOrder& visit,
-             uint32_t channel)
-      : part_(part), channel_(channel) {
+  // `frame` must outlive it.
+  ChannelRun(const Session::Part& part, const SharedFrame& frame, uint32_t channel)
+      : part_(part), frame_(frame), channel_(channel) {
+    const TexturePlan& all = frame.all;
     const TexturePlan& textures = part.plan->textures;
     SLUICE_CHECK(textures.cluster_blocks == all.cluster_blocks);
     for (const ClusterPosition i : textures.clusters.indices())
       clusters_.emplace(linear(textures, textures.clusters[i]), i);
     for (const BlockPosition i : textures.blocks.indices())
       blocks_.emplace(textures.blocks[i].name.block, i);
-    DrawOrder own{visit.eye, {}};
-    for (const Visit& each : visit.visits)
+    DrawOrder own{frame.order.eye, {}};
+    for (const Visit& each : frame.order.visits)
       if (const auto found = clusters_.find(linear(all, all.clusters[each.cluster]));
           found != clusters_.end())
         own.visits.push_back({.cluster = found->second, .draws = true, .blocks = {}});
     const ReadPurpose purpose{tally_, part.options.stop};
-    ahead_ = std::make_unique<ReadAhead>(residency(), part.plan, own, purpose);
+    ReadAhead::Needs needs;
+    if (frame.rows) needs.now = [this](ChunkPosition chunk) { return shows(chunk); };
+    ahead_ = std::make_unique<ReadAhead>(residency(), part.plan, own, purpose, needs);
     residency().unpinAll();
   }
   ~ChannelRun() {
@@ -95,6 +108,7 @@ class ChannelRun {
     const TexturePlan& textures = part_.plan->textures;
     const TextureBlock& block = textures.blocks[found->second];
     if (block.cells.empty()) return;  // loaded whole, shows nothing (algorithm II)
+    if (!frame_.shows(block.cells)) return;
     const ChunkName chunk = part_.plan->names[block.chunk];
     if (!residency().isResident(chunk)) {
       missing_cells_ += static_cast<double>(block.cells.count());  // left out at the time limit
@@ -118,8 +132,15 @@ class ChannelRun {
 
  private:
   Residency& residency() const { return *part_.residency; }
+  bool shows(ChunkPosition chunk) const {
+    const TexturePlan& textures = part_.plan->textures;
+    return std::ranges::any_of(textures.chunks[chunk].blocks, [&](BlockPosition block) {
+      return frame_.shows(textures.blocks[block].cells);
+    });
+  }
 
   const Session::Part& part_;
+  const SharedFrame& frame_;
   const uint32_t channel_;
   const std::shared_ptr<ReadTally> tally_ = std::make_shared<ReadTally>();
   std::unordered_map<int64_t, ClusterPosition> clusters_;  // by place in the grid
@@ -177,11 +198,11 @@ Frame blendedFrame(std::span<Session* const> sessions, Device& device,
                               std::chrono::duration<double>(*options.time_limit_s));
   const DeviceFrame ends(device);
   device.beginFrame(setup, options.stop);
+  const SharedFrame shared{all, order, setup, rowsOf(device)};
   std::vector<std::unique_ptr<ChannelRun>> channels;
   for (const Session::Part& part : parts)
     channels.push_back(
-        std::make_unique<ChannelRun>(part, all, order, static_cast<uint32_t>(channels.size())));
-  const std::optional<PictureRows> rows = rowsOf(device);
+        std::make_unique<ChannelRun>(part, shared, static_cast<uint32_t>(channels.size())));
   std::vector<BoxDraw> boxes, counted;
   double draw_s = 0;
   for (size_t i = 0; i < order.visits.size(); ++i) {
@@ -193,7 +214,6 @@ Frame blendedFrame(std::span<Session* const> sessions, Device& device,
     stage.lap();
     for (const BlockPosition position : visit.blocks) {
       const TextureBlock& block = all.blocks[position];
-      if (rows && !overlap(*rows, rowsOf(setup, block.cells))) continue;
       const size_t before = boxes.size();
       for (const auto& channel : channels)
         channel->append(block.name.block, boxes, boxes.size() > before);

@@ -92,6 +92,9 @@ bool hasRamp(const ViewState& state) {
 bool isIntegrated(const ViewState& state) {
   return state.quality != PictureOptions::Quality::kPlain;
 }
+bool isBlended(const ViewState& state) {
+  return state.look.combine == LookOptions::Combine::kBlend;
+}
 bool isLater(const ViewState& state) {
   return state.time != 0;
 }
@@ -137,7 +140,7 @@ std::vector<OptionEntry> makeTable() {
                       hasNoPlace}),
 
       in(&Look::mode,
-         {"mode", "--mode", 9,
+         {"mode", "--mode", 12,
           wordOf({"composite", "mip", "minip", "average", "attenuated-mip", "depth-mip"}), "",
           "How the samples along a ray are combined: composite, mip, minip, average, "
           "attenuated-mip "
@@ -218,9 +221,10 @@ std::vector<OptionEntry> makeTable() {
           "Several channels: the colour or map of channel C, or 'labels', and the values over "
           "which its opacity rises from 0 to A; may be given for each; C is 'over' for the volume "
           "of --over (what the file says, else automatic)"}),
-      in(&Look::combine, {"combine", "--combine", 11, wordOf({"add", "blend"}), "",
-                          "Several channels: their pictures added up, or each sample blended of "
-                          "all as one medium"}),
+      in(&Look::combine,
+         {"combine", "--combine", 11, wordOf({"add", "blend"}), "",
+          "Several channels: their pictures added up, or each sample blended of all as one medium",
+          nullptr, isBlended}),
       in(&Look::surfaces,
          {"surfaces",
           "--iso",
