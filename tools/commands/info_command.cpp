@@ -124,10 +124,10 @@ void print(const IndexedVolume& volume, const ChosenLook& look) {
 
 Command addInfo(CLI::App& program) {
   auto arguments = std::make_shared<InfoArguments>();
-  CLI::App* app =
-      program.add_subcommand("info",
-                             "What a volume is: size, type, place in the world, values, index\n\n"
-                             "  sluice info head_256x256x225_uint8.raw --json");
+  CLI::App* app = program.add_subcommand(
+      "info",
+      "Prints size, type, place in the world, values and index of a volume\n\n"
+      "  sluice info head_256x256x225_uint8.raw --json");
   addVolumeOptions(*app, arguments->volume);
   const OptionGroup listed(*app, "Volume");
   listed.flag("--levels", arguments->levels, "Lists the levels of resolution and their places");

@@ -228,9 +228,9 @@ Command addPack(CLI::App& program) {
       "Writes a volume as an OME-Zarr store of compressed chunks\n\n"
       "  sluice pack head_256x256x225_uint8.raw -o head.zarr --codec zstd\n"
       "  sluice pack --check head.zarr\n\n"
-      "Interrupted in any way, the same command goes on where the first one ended: until all is\n"
-      "written the store is called DIR.zarr.partial. Each chunk has a checksum, which is compared\n"
-      "whenever sluice reads it.");
+      "If a run is interrupted, give the same command again: it continues where the run stopped.\n"
+      "Until the store is complete, it is called DIR.zarr.partial. Each chunk has a checksum,\n"
+      "which sluice compares whenever it reads the chunk.");
   addVolumeOptions(*app, arguments->volume);
   app->remove_option(app->get_option("--time"));  // all of them are packed
   const OptionGroup store(*app, "Store");

@@ -108,9 +108,9 @@ Command addSurface(CLI::App& program) {
   auto arguments = std::make_shared<SurfaceArguments>();
   CLI::App* app = program.add_subcommand(
       "surface",
-      "Writes the surface around the voxels of at least a value as a mesh of triangles\n\n"
+      "Writes an isosurface as a mesh of triangles\n\n"
       "  sluice surface bonsai.nii.gz --iso 40 -o bonsai.ply\n\n"
-      "The mesh has no cracks, also where it is larger than memory. Positions are in the world of\n"
+      "The mesh has no cracks, even if it is larger than memory. Positions are in the world of\n"
       "the file's header. Triangles turn counterclockwise seen from the side of lower values, and\n"
       "normals point there.");
   addVolumeOptions(*app, arguments->volume);

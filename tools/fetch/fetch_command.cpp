@@ -188,8 +188,8 @@ Command addFetch(CLI::App& program) {
       "Copies a public volume by its name, or any file or store by its address\n\n"
       "  sluice fetch --list\n"
       "  sluice fetch NAME --accept-licence\n\n"
-      "The terms are printed first. A run that ends early goes on where it stopped when it is "
-      "given\nagain. The file appears under its name once it is whole.");
+      "The terms are printed first. If a run ends early, give the same command again: it\n"
+      "continues where the run stopped. The file gets its name when it is complete.");
   app->add_option("what", arguments->what,
                   "A name that --list prints, or the address of a file, a Zarr or an N5 store "
                   "(https://..., s3://...)")

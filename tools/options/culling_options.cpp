@@ -13,8 +13,8 @@ void addCullingOptions(CLI::App& app, CullingArguments& arguments, bool chooses)
                                 {"auto", Culling::kAuto}},
                  arguments.culling,
                  "Skips blocks that others hide: by least opacities (pof), by ratios to thickness "
-                 "(opof), or as opof, but looks again only where blocks change (toc); auto: toc if "
-                 "the series is prepared and its first steps are drawn faster with it");
+                 "(opof), or as opof, but estimates again only where blocks change (toc); auto: "
+                 "toc if the series is prepared and its first steps are drawn faster with it");
   group.number("--difference", "D", arguments.difference, {0, 1},
                "Fuses blocks of successive steps that differ less than this; 0: none");
   group.number("--directions", "N", arguments.directions, {1, 16},

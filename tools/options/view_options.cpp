@@ -106,8 +106,8 @@ void addFrameOptions(CLI::App& app, FrameOptions& options) {
                "Skips hidden parts: cull skips hidden boxes, clip also skips hidden parts of "
                "boxes; map makes the opacity map but skips nothing");
   group.number("--opacity-threshold", "A", options.opacity_threshold, {0, 1, true},
-               "Opacity at which a ray ends and hides everything behind; 1 changes no picture (1; "
-               "with --occlusion or --culling 0.95)");
+               "Opacity from which a ray hides everything behind it; 1 changes no picture (1; with "
+               "--occlusion or --culling 0.95)");
   group.parsed(
       "--time-limit", "SECONDS", "a number from 0 to 1e+09, also with a unit, as in 1s or 500ms",
       parseSeconds, [&options](double seconds) { options.time_limit_s = seconds; },

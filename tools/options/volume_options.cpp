@@ -77,7 +77,7 @@ void addWebCacheOptions(const OptionGroup& group, WebCache& cache) {
         cache.budget_bytes = bytes;
         if (cache.folder.empty()) cache.folder = webCacheFolder();
       },
-      "Addresses: keeps what was read in a folder, up to so many bytes");
+      "Addresses: keeps the data read from servers in a folder of at most so many bytes");
   group.parsed(
       "--cache-dir", "DIR", "the name of a folder",
       [](const std::string& word) { return word.empty() ? std::nullopt : std::optional(word); },

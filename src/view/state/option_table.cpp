@@ -167,7 +167,8 @@ std::vector<OptionEntry> makeTable() {
                           4,
                           {Form::kNumber, kShare},
                           "A",
-                          "Opacity per voxel length at the top of the ramp (0.05)",
+                          "Opacity per voxel length at the top of a ramp (0.05), or of all labels; "
+                          "automatic opacities change in proportion to it",
                           nullptr,
                           hasNoPoints}),
       in(&Look::opacities,
@@ -302,15 +303,15 @@ std::vector<OptionEntry> makeTable() {
           {.form = Form::kNumber, .limits = kShare, .bare = "1"},
           "SHARE",
           "Matter around a place keeps other light away from it (ambient occlusion); "
-          "--occlusion-light=SHARE less of it, from 0 to 1"}),
+          "--occlusion-light=SHARE keeps away less of it, from 0 to 1"}),
       in(&PictureOptions::Lighting::depth_cueing,
          {"depth_cueing",
           "--depth-cueing",
           53,
           {.form = Form::kNumber, .limits = kShare, .bare = "1"},
           "SHARE",
-          "Darkens what is far away, lit or not: the farthest part of what shows turns "
-          "black; --depth-cueing=SHARE darkens it less, from 0 to 1"}),
+          "Darkens distant parts, lit or not: the farthest visible part turns black; "
+          "--depth-cueing=SHARE darkens it less, from 0 to 1"}),
       in(&ViewState::crop, {"crop",
                             "--crop",
                             42,
