@@ -50,9 +50,9 @@ picture() { # NAME CAPTION COMMAND
 cat >"$page" <<'HEAD'
 # Gallery
 
-Each picture has one command. `tools/gallery.sh DATA` draws them again from a folder with the volumes that
-`datasets.md` names. Volumes that begin with `synth:` need no file. `contact-sheet.png` shows every volume as
-`sluice render FILE -o x.png` draws it without further options.
+One command draws each picture. `tools/gallery.sh DATA` draws all of them again. DATA is a folder with the volumes
+that the page of [data sets](../datasets.md) names. Volumes whose names begin with `synth:` need no file. The first
+picture, `contact-sheet.png`, shows every volume as `sluice render FILE -o x.png` draws it without further options.
 
 ![Every volume without options](contact-sheet.png)
 
@@ -66,13 +66,13 @@ picture head 'CT of a head, one TIFF file for each slice: the command gives the 
   "sluice render 'data/cthead/%03d.tif' -o head.png --spacing 1,1,2 --up 0,0,-1 --azimuth 180 --elevation -10 --map ct-bone"
 picture brain 'MRI of a head, cut at the level of the ears, from above' \
   'sluice render data/head-mr.nii.gz -o brain.png --crop 0,0,0,160,232,90 --elevation 35 --annotate'
-picture activity 'A statistic of brain activity: low and high values, with nothing shown between them' \
+picture activity 'A statistic of brain activity: the low and the high values, but none between them' \
   'sluice render data/motor-map.nii.gz -o activity.png --view top --annotate'
 picture tooth 'CT of a tooth, standing on its crown' \
   'sluice render data/tooth/tooth.nhdr -o tooth.png --up 0,0,-1 --map ct-bone'
 picture walnut 'A walnut cut open, without the tray it lies on' \
   'sluice render data/walnut_128x96x114_uint16.raw -o walnut.png --crop 0,24,0,128,96,57 --azimuth 150 --map viridis'
-picture xray 'The head as an X-ray: mean values along rays' \
+picture xray 'The head as in an X-ray picture: the mean value of each ray' \
   "sluice render 'data/cthead/%03d.tif' -o xray.png --spacing 1,1,2 --up 0,0,-1 --view left --mode average --range 20,140 --background 000000"
 picture smoke 'Smoke from an OpenVDB file, in perspective' \
   'sluice render data/smoke.vdb -o smoke.png --projection perspective --background 202830'
@@ -80,12 +80,12 @@ picture fingers 'Salt that sinks through water, step 30 of a series' \
   "sluice render 'data/viscous-fingers/step_%03d.nrrd' -o fingers.png --time 30 --map inferno --up 0,0,1 --background 000000"
 picture phantom 'The Shepp-Logan head, cut open' \
   'sluice render synth:phantom,dims=256x256x256 -o phantom.png --crop 0,0,0,256,128,256 --opacity 0.1'
-picture wave 'The Marschner-Lobb signal: its values fill the whole range, so it is drawn as a solid block' \
+picture wave 'The Marschner-Lobb test signal: its values fill the whole range, so it is drawn as a solid block' \
   'sluice render synth:marschner-lobb,dims=128x128x128,type=f32 -o wave.png --up 0,0,1 --annotate'
 picture rings 'Vortex rings in a flow' \
   'sluice render synth:flow,dims=160x160x160,type=f32 -o rings.png --map turbo --background 101418'
-picture depths 'A bonsai, the greatest value of each ray in the colour of its depth' \
-  'sluice render data/bonsai.nii.gz -o depths.png --mode depth-mip --background 000000'
+picture depths 'A bonsai: the greatest value of each ray, in the colour of its depth' \
+  'sluice render data/bonsai.nii.gz -o depths.png --mode depth-mip --threshold 40 --map turbo --background 000000'
 
 # The contact sheet.
 tile=176
