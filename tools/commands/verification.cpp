@@ -58,6 +58,7 @@ IndexedVolume openAnew(const Layer& layer, ChannelSource opened, const VerifiedV
 
 Picture blendedPicture(const std::vector<std::unique_ptr<Session>>& channels, Device& device) {
   std::vector<Session*> sessions;
+  sessions.reserve(channels.size());
   for (const auto& channel : channels) sessions.push_back(channel.get());
   std::vector<FrameReport> reports;
   return blendedFrame(sessions, device, reports).picture;
@@ -145,6 +146,7 @@ Verification verify(Scene& scene, const VerifiedView& view, FrameOptions options
   std::vector<IndexedVolume> volumes = openAnew(scene, view, pass);
   if (scene.blends()) {
     std::vector<std::pair<const IndexedVolume*, PageGeometry*>> pages;
+    pages.reserve(volumes.size());
     for (IndexedVolume& volume : volumes) pages.emplace_back(&volume, &volume.page);
     evenOutPages(pages);
   }

@@ -3,55 +3,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <limits>
 #include <utility>
 
 #include "src/base/error.h"
 #include "src/base/threads/clock.h"
 #include "src/base/values/bytes.h"
-#include "src/library/drawing/added_pictures.h"
 #include "src/library/drawing/empty_picture.h"
-#include "src/library/drawing/shared_world.h"
 #include "src/render/blocks/cut_rules.h"
-#include "src/render/camera/frame_setup.h"
-#include "src/render/session/blended_frame.h"
-#include "src/render/session/planner.h"
-#include "src/volume/block_side.h"
 
 namespace sluice {
 namespace {
-
-// The finest level in the picture of a layer.
-int finestLevelOf(const Scene& scene, const Layer& layer, const TimeStep& step, const View& view,
-                  const FrameOptions& options) {
-  const TransferFunction& transfer = layer.look.transfer;
-  if (!drawsCut(step, options.cut, options.mode, transfer)) return 0;
-  if (!options.cut->keeps_thin) return finestLevelShown(step, view, *options.cut);
-  // Thin parts may be refined anywhere, which the cut alone tells.
-  ChunkNames names;
-  Planner planner(layer.page, scene.pool, names);
-  const LookPtr look =
-      planner.look(step, std::make_shared<const TransferFunction>(transfer), options.mode);
-  const VisibleBlocksPtr blocks = planner.visibleBlocks(step, look, view, options);
-  return blocks->cut->levels.empty() ? 0 : blocks->cut->levels.front().level;
-}
-
-// The distance between slices of a layer for which nobody sets one.
-double chosenStepOf(const Scene& scene, const Layer& layer, const TimeStep& step, const View& view,
-                    const FrameOptions& options) {
-  const int level = finestLevelOf(scene, layer, step, view, options);
-  // At the edge of a body, light changes faster from slice to slice than the means of a coarse
-  // level do. Frames of a moving picture have no time for more slices.
-  constexpr double kLitLevelFactor = 0.5;
-  const bool is_finer = level > 0 && layer.look.lit && !options.time_limit_s;
-  const double chosen = stepFor(view, step, level) * (is_finer ? kLitLevelFactor : 1);
-  if (!options.integrates || drawsCut(step, options.cut, options.mode, layer.look.transfer))
-    return chosen;
-  // As long as frames may integrate.
-  const double most =
-      options.step_vox * kMostIntegratedStep / longestStep(view, layer.volume.source->layout());
-  return std::min(chosen * options.step_factor, most);
-}
 
 // Ranks have parts in the picture's place, and the first one the picture.
 uint64_t composedBytes(uint64_t part_bytes, PictureSize size, uint64_t memory_bytes) {
@@ -65,25 +26,12 @@ uint64_t composedBytes(uint64_t part_bytes, PictureSize size, uint64_t memory_by
   return bytes;
 }
 
-// Depths of a volume over the first one, in the first one's unit.
-void toUnitOf(const VolumeLayout& first, const VolumeLayout& own, std::vector<float>& depths) {
-  const auto scale = static_cast<float>(worldScale(own, first));
-  if (scale != 1)
-    for (float& depth : depths) depth *= scale;
-}
-
 // Only the CPU device blends channels.
 DeviceArguments deviceFor(DeviceArguments device, const LookArguments& look, bool has_layers) {
   const bool is_free = device.device == DeviceChoice::kAuto && device.gl == GlChoice::kAuto &&
                        device.lent == nullptr;
   if (look.combine == Combine::kBlend && has_layers && is_free) device.device = DeviceChoice::kCpu;
   return device;
-}
-
-int64_t pagesOfBlock(const IndexedVolume& volume, const PageGeometry& page) {
-  const int levels = volume.pyramid != nullptr ? volume.pyramid->levels() : 1;
-  const int64_t side = blockSide(volume.layout, levels);
-  return page.pagesOf(Vec3i{side, side, side});
 }
 
 // The part of a machine for each of so many layers.
@@ -101,14 +49,6 @@ uint64_t othersBytes(const IndexedVolume& volume, const TransferFunction& transf
   const uint64_t light_bytes =
       frame.lighting.looksAround() ? lightBytes(volume.source->layout(), pool.threads()) : 0;
   return steps * volume.rangesBytes() + planBytes(volume, transfer, frame, pool) + light_bytes;
-}
-
-void evenOutPages(const std::vector<std::pair<const IndexedVolume*, PageGeometry*>>& pages) {
-  int64_t blocks = std::numeric_limits<int64_t>::max();
-  for (const auto& [volume, page] : pages)
-    blocks = std::min(blocks, page->pages / pagesOfBlock(*volume, *page));
-  for (const auto& [volume, page] : pages)
-    page->pages = std::max<int64_t>(1, blocks) * pagesOfBlock(*volume, *page);
 }
 
 Scene::Scene(SceneInputs inputs, const LookArguments& asked_look, const FrameOptions& frame)
@@ -227,60 +167,6 @@ void Scene::setLook(const LookArguments& asked_look, Mode mode) {
   drawn_look = lookText();
 }
 
-FrameOptions Scene::optionsOf(const Layer& layer, const FrameOptions& options) const {
-  if (more.empty()) return options;
-  const auto all = layers();
-  const auto place = static_cast<uint64_t>(std::ranges::find(all, &layer) - all.begin());
-  // A session that is opened before its pictures have a size has no view yet.
-  const bool has_view = options.size.width > 0 && options.size.height > 0;
-  const VolumeLayout& layout = layer.volume.source->layout();
-  FrameOptions own = has_view ? frameOn(layout, volume.source->layout(), options) : options;
-  own.shades = layer.look.lit;
-  if (look.flat_scale > 0) own.lighting.flat_share *= layer.look.flat_scale / look.flat_scale;
-  // Waiting and blocks of a cut are shared out, too.
-  if (blends()) {
-    own.cut.reset();
-    own.integrates = false;
-    return own;
-  }
-  if (own.time_limit_s) *own.time_limit_s /= static_cast<double>(all.size());
-  if (own.cut) own.cut->most_held_bytes /= all.size();
-  if (options.watch)
-    own.watch = [watch = options.watch, place, count = all.size()](uint64_t done, uint64_t total) {
-      watch(place * total + done, count * total);
-    };
-  return own;
-}
-
-void Scene::requireBlendable(const LookArguments& look, const FrameOptions& options) const {
-  if (look.combine == Combine::kAdd || more.empty()) return;
-  const VolumeLayout& first = volume.source->layout();
-  for (const auto& layer : more)
-    if (const VolumeLayout& layout = layer->volume.source->layout(); !isSameGrid(layout, first))
-      failRequest(
-          "--combine blend: {} is on another grid of voxels than {}; leave out --combine, which "
-          "adds their pictures",
-          layout.name, first.name);
-  for (const auto& layer : more)
-    if (const BlockLayout& blocks = layer->volume.layout;
-        blocks.size != volume.layout.size || blocks.ghost != volume.layout.ghost)
-      failRequest(
-          "--combine blend: {} is read in other blocks than {}; give both the same --block, and "
-          "levels of resolution to both or none",
-          layer->volume.name, volume.name);
-  if (!device->blendsChannels())
-    failRequest("--combine blend is drawn by the CPU device; give --device cpu");
-  if (!traitsOf(options.mode).has_colors)
-    failRequest("--combine blend needs --mode composite, since other modes show one value a pixel");
-  if (!look.surfaces.empty()) failRequest("--combine blend draws no surfaces; leave out --iso");
-  if (options.lighting.looksAround())
-    failRequest(
-        "--combine blend knows no light that looks around; leave out --shadows and "
-        "--occlusion-light");
-  if (options.occlusion != Occlusion::kOff || options.partition != Partition::kBlocks)
-    failRequest("--combine blend draws whole blocks; leave out --occlusion and --partition");
-}
-
 void Scene::setOptions(const FrameOptions& options) {
   requireBlendable(asked, options);
   for (Layer* layer : layers()) layer->session->setOptions(optionsOf(*layer, options));
@@ -317,21 +203,6 @@ uint64_t Scene::storedBytesRead() const {
 
 void Scene::chooseBlocksBy(BlockChooser* chooser) {
   if (session != nullptr) session->chooseBlocksBy(share ? share->chooserFrom(chooser) : chooser);
-}
-
-double Scene::chosenStep(const TimeStep& step, const FrameOptions& options) const {
-  if (!traitsOf(options.mode).has_colors) return options.step_vox;
-  const VolumeLayout& first = volume.source->layout();
-  const View view = resolve(options.camera, first, options.size, options.step_vox);
-  double least = chosenStepOf(*this, *this, step, view, optionsOf(*this, options));
-  for (const auto& layer : more) {
-    const VolumeLayout& layout = layer->volume.source->layout();
-    const FrameOptions own = optionsOf(*layer, options);
-    const View own_view = resolve(own.camera, layout, own.size, own.step_vox);
-    const double own_step = chosenStepOf(*this, *layer, layer->volume.step(), own_view, own);
-    least = std::min(least, stepOn(first, layout, own_step));
-  }
-  return least;
 }
 
 std::string Scene::lookText() const {
@@ -399,65 +270,6 @@ SceneFrame Scene::draw(const std::vector<PictureRows>& strips,
   return drawn;
 }
 
-Frame Scene::drawBlended(std::vector<LayerFrame>& parts) {
-  std::vector<Session*> sessions, showing;
-  std::vector<std::optional<FrameReport>> without_blocks;
-  for (Layer* layer : layers()) {
-    sessions.push_back(layer->session.get());
-    without_blocks.push_back(layer->session->withoutBlocks());
-    if (!without_blocks.back()) showing.push_back(sessions.back());
-  }
-  // A medium of one channel is that channel's own frame.
-  if (showing.size() == 1) {
-    Frame frame = showing.front()->frame();
-    parts.clear();
-    for (size_t i = 0; i < sessions.size(); ++i)
-      parts.push_back(without_blocks[i] ? LayerFrame{*without_blocks[i], false}
-                                        : LayerFrame{frame.report, !showsNothing(frame.picture)});
-    frame.report = parts.front().report;
-    for (size_t i = 1; i < parts.size(); ++i) addLayer(frame.report, parts[i].report);
-    return frame;
-  }
-  std::vector<FrameReport> reports;
-  Frame frame = blendedFrame(sessions, *device, reports);
-  parts.clear();
-  const bool shows = !showsNothing(frame.picture);
-  for (const FrameReport& report : reports)
-    parts.push_back({report, shows && report.grey + report.black > 0});
-  return frame;
-}
-
-Frame Scene::drawLayers(std::vector<LayerFrame>& parts) {
-  const Stopwatch watch;
-  const std::vector<Layer*> all = layers();
-  parts.resize(all.size());
-  std::optional<Frame> sum;
-  for (size_t i = 0; i < all.size(); ++i) {
-    Session& of_layer = *all[i]->session;
-    LayerFrame& part = parts[i];
-    // A layer without blocks costs no picture, but the last one gives it if no other does.
-    const std::optional<FrameReport> without_blocks = of_layer.withoutBlocks();
-    if (without_blocks && (sum || i + 1 < all.size())) {
-      part.report = *without_blocks;
-      continue;
-    }
-    Frame next = of_layer.frame();
-    toUnitOf(volume.source->layout(), all[i]->volume.source->layout(), next.picture.depth);
-    part = {next.report, !showsNothing(next.picture)};
-    if (!sum) {
-      sum = std::move(next);
-      continue;
-    }
-    addPicture(sum->picture, next.picture, pool);
-    device->reuse(std::move(next.picture));
-  }
-  limitSum(sum->picture, pool);
-  sum->report = parts.front().report;
-  for (size_t i = 1; i < parts.size(); ++i) addLayer(sum->report, parts[i].report);
-  sum->report.seconds = watch.seconds();
-  return *std::move(sum);
-}
-
 Frame Scene::frame(std::vector<LayerFrame>* of_layers) {
   std::vector<LayerFrame> own;
   if (of_layers == nullptr) of_layers = &own;
@@ -477,24 +289,6 @@ std::string Scene::whyNothing(const SceneFrame& frame, int64_t time, const Frame
                               const IndexPass& pass) const {
   if (frame.shows_something) return "";
   return whyEmpty({volume, time, look.transfer, options, frame.report.missing_share}, pass);
-}
-
-std::string Scene::emptyLayers(const SceneFrame& frame, int64_t time, const FrameOptions& options,
-                               const IndexPass& pass) const {
-  std::string line;
-  if (!frame.shows_something || more.empty()) return line;
-  for (size_t i = 0; i < frame.layers.size(); ++i) {
-    const LayerFrame& part = frame.layers[i];
-    const Layer& layer = *layers()[i];
-    if (part.shows_something) continue;
-    const bool is_series = layer.volume.source->layout().time_steps > 1;
-    const std::string why = whyEmpty({layer.volume, is_series ? time : 0, layer.look.transfer,
-                                      optionsOf(layer, options), part.report.missing_share},
-                                     pass);
-    line += fmt::format("{}{} shows nothing: {}", line.empty() ? "" : "; ",
-                        layer.volume.channel.title(), why);
-  }
-  return line;
 }
 
 void Scene::recordTo(const std::string& path) {

@@ -234,7 +234,8 @@ LookArguments knownLookOfChannel(const LookArguments& asked, const ShownChannel&
     look.map = kOverMap;
     return look;
   }
-  return labelsOfChannel(std::move(look), {.channel = channel.id(), .opacity = look.opacity});
+  const ChannelLook own{.channel = channel.id(), .opacity = look.opacity};
+  return labelsOfChannel(std::move(look), own);
 }
 
 namespace {

@@ -152,6 +152,7 @@ class ChannelRun {
 
 FrameSetup setupOf(const std::vector<Session::Part>& parts, const View& view) {
   std::vector<FrameSetup> setups;
+  setups.reserve(parts.size());
   for (const Session::Part& part : parts)
     setups.push_back(frameSetup(view, part.step.source->layout(), *part.look, part.step.ranges->map,
                                 part.options, part.lit));
@@ -200,6 +201,7 @@ Frame blendedFrame(std::span<Session* const> sessions, Device& device,
   device.beginFrame(setup, options.stop);
   const SharedFrame shared{all, order, setup, rowsOf(device)};
   std::vector<std::unique_ptr<ChannelRun>> channels;
+  channels.reserve(parts.size());
   for (const Session::Part& part : parts)
     channels.push_back(
         std::make_unique<ChannelRun>(part, shared, static_cast<uint32_t>(channels.size())));

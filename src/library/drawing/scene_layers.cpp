@@ -1,0 +1,174 @@
+// How the layers of a scene become one picture: each with its own options, added up or blended.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include "src/base/error.h"
+#include "src/base/threads/clock.h"
+#include "src/library/drawing/added_pictures.h"
+#include "src/library/drawing/empty_picture.h"
+#include "src/library/drawing/scene.h"
+#include "src/library/drawing/shared_world.h"
+#include "src/render/session/blended_frame.h"
+#include "src/volume/block_side.h"
+
+namespace sluice {
+namespace {
+
+// Depths of a volume over the first one, in the first one's unit.
+void toUnitOf(const VolumeLayout& first, const VolumeLayout& own, std::vector<float>& depths) {
+  const auto scale = static_cast<float>(worldScale(own, first));
+  if (scale != 1)
+    for (float& depth : depths) depth *= scale;
+}
+
+int64_t pagesOfBlock(const IndexedVolume& volume, const PageGeometry& page) {
+  const int levels = volume.pyramid != nullptr ? volume.pyramid->levels() : 1;
+  const int64_t side = blockSide(volume.layout, levels);
+  return page.pagesOf(Vec3i{side, side, side});
+}
+
+}  // namespace
+
+void evenOutPages(const std::vector<std::pair<const IndexedVolume*, PageGeometry*>>& pages) {
+  int64_t blocks = std::numeric_limits<int64_t>::max();
+  for (const auto& [volume, page] : pages)
+    blocks = std::min(blocks, page->pages / pagesOfBlock(*volume, *page));
+  for (const auto& [volume, page] : pages)
+    page->pages = std::max<int64_t>(1, blocks) * pagesOfBlock(*volume, *page);
+}
+
+FrameOptions Scene::optionsOf(const Layer& layer, const FrameOptions& options) const {
+  if (more.empty()) return options;
+  const auto all = layers();
+  const auto place = static_cast<uint64_t>(std::ranges::find(all, &layer) - all.begin());
+  // A session that is opened before its pictures have a size has no view yet.
+  const bool has_view = options.size.width > 0 && options.size.height > 0;
+  const VolumeLayout& layout = layer.volume.source->layout();
+  FrameOptions own = has_view ? frameOn(layout, volume.source->layout(), options) : options;
+  own.shades = layer.look.lit;
+  if (look.flat_scale > 0) own.lighting.flat_share *= layer.look.flat_scale / look.flat_scale;
+  // Waiting and blocks of a cut are shared out, too.
+  if (blends()) {
+    own.cut.reset();
+    own.integrates = false;
+    return own;
+  }
+  if (own.time_limit_s) *own.time_limit_s /= static_cast<double>(all.size());
+  if (own.cut) own.cut->most_held_bytes /= all.size();
+  if (options.watch)
+    own.watch = [watch = options.watch, place, count = all.size()](uint64_t done, uint64_t total) {
+      watch(place * total + done, count * total);
+    };
+  return own;
+}
+
+void Scene::requireBlendable(const LookArguments& look, const FrameOptions& options) const {
+  if (look.combine == Combine::kAdd || more.empty()) return;
+  const VolumeLayout& first = volume.source->layout();
+  for (const auto& layer : more)
+    if (const VolumeLayout& layout = layer->volume.source->layout(); !isSameGrid(layout, first))
+      failRequest(
+          "--combine blend: {} is on another grid of voxels than {}; leave out --combine, which "
+          "adds their pictures",
+          layout.name, first.name);
+  for (const auto& layer : more)
+    if (const BlockLayout& blocks = layer->volume.layout;
+        blocks.size != volume.layout.size || blocks.ghost != volume.layout.ghost)
+      failRequest(
+          "--combine blend: {} is read in other blocks than {}; give both the same --block, and "
+          "levels of resolution to both or none",
+          layer->volume.name, volume.name);
+  if (!device->blendsChannels())
+    failRequest("--combine blend is drawn by the CPU device; give --device cpu");
+  if (!traitsOf(options.mode).has_colors)
+    failRequest("--combine blend needs --mode composite, since other modes show one value a pixel");
+  if (!look.surfaces.empty()) failRequest("--combine blend draws no surfaces; leave out --iso");
+  if (options.lighting.looksAround())
+    failRequest(
+        "--combine blend knows no light that looks around; leave out --shadows and "
+        "--occlusion-light");
+  if (options.occlusion != Occlusion::kOff || options.partition != Partition::kBlocks)
+    failRequest("--combine blend draws whole blocks; leave out --occlusion and --partition");
+}
+
+Frame Scene::drawBlended(std::vector<LayerFrame>& parts) {
+  std::vector<Session*> sessions, showing;
+  std::vector<std::optional<FrameReport>> without_blocks;
+  for (Layer* layer : layers()) {
+    sessions.push_back(layer->session.get());
+    without_blocks.push_back(layer->session->withoutBlocks());
+    if (!without_blocks.back()) showing.push_back(sessions.back());
+  }
+  // A medium of one channel is that channel's own frame.
+  if (showing.size() == 1) {
+    Frame frame = showing.front()->frame();
+    parts.clear();
+    for (size_t i = 0; i < sessions.size(); ++i)
+      parts.push_back(without_blocks[i] ? LayerFrame{*without_blocks[i], false}
+                                        : LayerFrame{frame.report, !showsNothing(frame.picture)});
+    frame.report = parts.front().report;
+    for (size_t i = 1; i < parts.size(); ++i) addLayer(frame.report, parts[i].report);
+    return frame;
+  }
+  std::vector<FrameReport> reports;
+  Frame frame = blendedFrame(sessions, *device, reports);
+  parts.clear();
+  const bool shows = !showsNothing(frame.picture);
+  for (const FrameReport& report : reports)
+    parts.push_back({report, shows && report.grey + report.black > 0});
+  return frame;
+}
+
+Frame Scene::drawLayers(std::vector<LayerFrame>& parts) {
+  const Stopwatch watch;
+  const std::vector<Layer*> all = layers();
+  parts.resize(all.size());
+  std::optional<Frame> sum;
+  for (size_t i = 0; i < all.size(); ++i) {
+    Session& of_layer = *all[i]->session;
+    LayerFrame& part = parts[i];
+    // A layer without blocks costs no picture, but the last one gives it if no other does.
+    const std::optional<FrameReport> without_blocks = of_layer.withoutBlocks();
+    if (without_blocks && (sum || i + 1 < all.size())) {
+      part.report = *without_blocks;
+      continue;
+    }
+    Frame next = of_layer.frame();
+    toUnitOf(volume.source->layout(), all[i]->volume.source->layout(), next.picture.depth);
+    part = {next.report, !showsNothing(next.picture)};
+    if (!sum) {
+      sum = std::move(next);
+      continue;
+    }
+    addPicture(sum->picture, next.picture, pool);
+    device->reuse(std::move(next.picture));
+  }
+  limitSum(sum->picture, pool);
+  sum->report = parts.front().report;
+  for (size_t i = 1; i < parts.size(); ++i) addLayer(sum->report, parts[i].report);
+  sum->report.seconds = watch.seconds();
+  return *std::move(sum);
+}
+
+std::string Scene::emptyLayers(const SceneFrame& frame, int64_t time, const FrameOptions& options,
+                               const IndexPass& pass) const {
+  std::string line;
+  if (!frame.shows_something || more.empty()) return line;
+  for (size_t i = 0; i < frame.layers.size(); ++i) {
+    const LayerFrame& part = frame.layers[i];
+    const Layer& layer = *layers()[i];
+    if (part.shows_something) continue;
+    const bool is_series = layer.volume.source->layout().time_steps > 1;
+    const std::string why = whyEmpty({layer.volume, is_series ? time : 0, layer.look.transfer,
+                                      optionsOf(layer, options), part.report.missing_share},
+                                     pass);
+    line += fmt::format("{}{} shows nothing: {}", line.empty() ? "" : "; ",
+                        layer.volume.channel.title(), why);
+  }
+  return line;
+}
+
+}  // namespace sluice

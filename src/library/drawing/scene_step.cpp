@@ -1,0 +1,63 @@
+// The distance between slices of a scene's pictures for which nobody sets one.
+#include <algorithm>
+#include <memory>
+
+#include "src/library/drawing/scene.h"
+#include "src/library/drawing/shared_world.h"
+#include "src/render/blocks/cut_rules.h"
+#include "src/render/camera/frame_setup.h"
+#include "src/render/session/planner.h"
+
+namespace sluice {
+namespace {
+
+// The finest level in the picture of a layer.
+int finestLevelOf(const Scene& scene, const Layer& layer, const TimeStep& step, const View& view,
+                  const FrameOptions& options) {
+  const TransferFunction& transfer = layer.look.transfer;
+  if (!drawsCut(step, options.cut, options.mode, transfer)) return 0;
+  if (!options.cut->keeps_thin) return finestLevelShown(step, view, *options.cut);
+  // Thin parts may be refined anywhere, which the cut alone tells.
+  ChunkNames names;
+  Planner planner(layer.page, scene.pool, names);
+  const LookPtr look =
+      planner.look(step, std::make_shared<const TransferFunction>(transfer), options.mode);
+  const VisibleBlocksPtr blocks = planner.visibleBlocks(step, look, view, options);
+  return blocks->cut->levels.empty() ? 0 : blocks->cut->levels.front().level;
+}
+
+// The distance between slices of a layer for which nobody sets one.
+double chosenStepOf(const Scene& scene, const Layer& layer, const TimeStep& step, const View& view,
+                    const FrameOptions& options) {
+  const int level = finestLevelOf(scene, layer, step, view, options);
+  // At the edge of a body, light changes faster from slice to slice than the means of a coarse
+  // level do. Frames of a moving picture have no time for more slices.
+  constexpr double kLitLevelFactor = 0.5;
+  const bool is_finer = level > 0 && layer.look.lit && !options.time_limit_s;
+  const double chosen = stepFor(view, step, level) * (is_finer ? kLitLevelFactor : 1);
+  if (!options.integrates || drawsCut(step, options.cut, options.mode, layer.look.transfer))
+    return chosen;
+  // As long as frames may integrate.
+  const double most =
+      options.step_vox * kMostIntegratedStep / longestStep(view, layer.volume.source->layout());
+  return std::min(chosen * options.step_factor, most);
+}
+
+}  // namespace
+
+double Scene::chosenStep(const TimeStep& step, const FrameOptions& options) const {
+  if (!traitsOf(options.mode).has_colors) return options.step_vox;
+  const VolumeLayout& first = volume.source->layout();
+  const View view = resolve(options.camera, first, options.size, options.step_vox);
+  double least = chosenStepOf(*this, *this, step, view, optionsOf(*this, options));
+  for (const auto& layer : more) {
+    const VolumeLayout& layout = layer->volume.source->layout();
+    const FrameOptions own = optionsOf(*layer, options);
+    const View own_view = resolve(own.camera, layout, own.size, own.step_vox);
+    const double own_step = chosenStepOf(*this, *layer, layer->volume.step(), own_view, own);
+    least = std::min(least, stepOn(first, layout, own_step));
+  }
+  return least;
+}
+
+}  // namespace sluice
