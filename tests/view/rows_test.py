@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
-"""The rows of the window's panel for channels and for surfaces: what they change reaches the picture and the saved view."""
+"""The rows of the window's panel for channels, a volume over another one and surfaces: what they change reaches the picture
+and the saved view."""
 import json
 import pathlib
+import subprocess
 import sys
 
 import window_driver
@@ -14,7 +16,11 @@ def save(window, folder):
     mark = window.mark()
     window.click('save view')
     window.wait(lambda line: line.get('saved', '').endswith('view.json'), since=mark)
-    return json.loads(pathlib.Path(folder, 'view.json').read_text(encoding='utf-8'))['look']
+    return saved(folder)['look']
+
+
+def saved(folder):
+    return json.loads(pathlib.Path(folder, 'view.json').read_text(encoding='utf-8'))
 
 
 def changed(window, change):
@@ -56,6 +62,28 @@ def channels(folder):
         assert abs(own['2']['opacity'] - own['1']['opacity']) < 1e-6, own
         window.shot('channels changed')
         assert window.end()['gl_errors'] == 0
+
+
+def over(folder):
+    """The blended volume over the first one has a row, and the saved view both."""
+    script = pathlib.Path(__file__).parent.parent / 'tools/over.py'
+    subprocess.run([sys.executable, script, 'write'], cwd=folder, check=True)
+    volumes = ['scan.nrrd', '--over', 'labels.nrrd', '--combine', 'blend']
+    with Display(960, 1000) as display, Window(display, sys.argv[1], [*volumes, *SIZE], folder) as window:
+        window.wait('opened')
+        window.whole(0)
+        window.shot('labels over a scan')
+        changed(window, lambda: window.click('channel over shows', x=0.1))
+        look = save(window, folder)
+        assert {'channel': 'over', 'opacity': 0} in looks(look), look
+        assert look['combine'] == 'blend', look
+        assert saved(folder)['volume']['over'].endswith('labels.nrrd'), saved(folder)['volume']
+        changed(window, lambda: window.click('channel over shows', x=0.1))
+        window.shot('labels over a scan again')
+        assert window.end()['gl_errors'] == 0
+    drawn = subprocess.run([sys.argv[1], 'render', '--state', 'view.json', '-o', 'state.png', '--size', '80x60'], cwd=folder,
+                           capture_output=True, text=True, check=False)
+    assert drawn.returncode == 0, drawn.stderr
 
 
 def looks(look):
@@ -101,4 +129,4 @@ if __name__ == '__main__':
         import tifffile  # noqa: F401
     except ImportError:
         missing = ['tifffile']
-    window_driver.run(channels, surfaces, also_missing=missing)
+    window_driver.run(channels, over, surfaces, also_missing=missing)
