@@ -79,6 +79,9 @@ def over(folder):
         assert look['combine'] == 'blend', look
         assert saved(folder)['volume']['over'].endswith('labels.nrrd'), saved(folder)['volume']
         changed(window, lambda: window.click('channel over shows', x=0.1))
+        changed(window, lambda: window.click('one medium', x=0.1))
+        assert save(window, folder)['combine'] == 'add'
+        changed(window, lambda: window.click('one medium', x=0.1))
         window.shot('labels over a scan again')
         assert window.end()['gl_errors'] == 0
     drawn = subprocess.run([sys.argv[1], 'render', '--state', 'view.json', '-o', 'state.png', '--size', '80x60'], cwd=folder,

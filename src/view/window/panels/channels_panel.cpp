@@ -1,5 +1,5 @@
-// A row for each of several channels: whether it shows, its colour, the values that its colours
-// span, and its opacity.
+// How several channels are combined, and a row for each: whether it shows, its colour, the values
+// that its colours span, and its opacity.
 #include <fmt/format.h>
 #include <imgui.h>
 
@@ -74,9 +74,25 @@ void opacity(WindowState& window, const Channel& channel) {
   window.log.control(fmt::format("channel {} opacity", channel.channel));
 }
 
+// Added up, or blended as one medium, which the CPU device draws in composite mode.
+void combining(WindowState& window) {
+  const LookOptions& look = window.state().look;
+  bool blends = look.combine == LookOptions::Combine::kBlend;
+  const bool can_blend =
+      look.mode == LookOptions::Mode::kComposite && window.volume.news->device.starts_with("cpu");
+  ImGui::BeginDisabled(!can_blend && !blends);
+  if (ImGui::Checkbox("one medium", &blends))
+    window.edit([&](ViewState& next) {
+      next.look.combine = blends ? LookOptions::Combine::kBlend : LookOptions::Combine::kAdd;
+    });
+  ImGui::EndDisabled();
+  window.log.control("one medium");
+}
+
 }  // namespace
 
 void channelsPanel(WindowState& window) {
+  combining(window);
   for (const Channel& channel : window.volume.look.channels) {
     ImGui::PushID(channel.channel.c_str());
     showing(window, channel);
