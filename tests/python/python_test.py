@@ -114,6 +114,19 @@ class Pictures(unittest.TestCase):
             with self.subTest(words):
                 self.assertSamePicture(volume.render(**options), self.command(PHANTOM, *words))
 
+    def test_of_a_volume_over_another_one_equal_those_of_the_command(self):
+        shells = 'synth:shells,dims=64x48x56'
+        volume = sluice.open('synth:phantom,dims=64x48x56', over=shells)
+        words = ['synth:phantom,dims=64x48x56', '--over', shells, '--size', '64', '--device', 'cpu']
+        for options, more in [
+            (dict(), []), (dict(look=['over:green,20:200,0.3']), ['--look', 'over:green,20:200,0.3']),
+            (dict(combine='blend', threshold=40), ['--combine', 'blend', '--threshold', '40'])]:
+            with self.subTest(more):
+                renderer = sluice.Renderer(volume, device='cpu')
+                self.assertSamePicture(renderer.render(size=64, **options), self.command(*words, *more))
+        with self.assertRaisesRegex(sluice.Error, 'combine blend needs mode composite'):
+            volume.render(size=64, combine='blend', mode='mip')
+
     def test_over_a_background_are_opaque(self):
         volume = sluice.open(PHANTOM)
         picture = volume.render(size=64, threshold=40, background='#102030')
