@@ -26,14 +26,6 @@ void addLabels(const Layer& layer, Annotations& annotations) {
           {labelName(layer.look, entry.lo), colorAt(layer.look.transfer, entry.lo)});
 }
 
-// A channel without a name has its number; a volume under another one its file's name.
-std::string legendName(const Layer& layer, const Scene& scene) {
-  const ShownChannel& channel = layer.volume.channel;
-  if (!channel.name.empty()) return channel.name;
-  const bool has_over = scene.layers().back()->volume.channel.is_over;
-  return has_over ? layer.volume.source->layout().name : channel.id();
-}
-
 // The colours of a picture by depth: of world units behind the nearest part of what it shows.
 void showDepths(std::array<double, 2> depths_shown, Annotations& annotations) {
   const auto [near, far] = depths_shown;
@@ -74,8 +66,9 @@ Annotations annotationsOf(const PictureOutput& output, const FrameOptions& optio
       addLabels(*layer, annotations);
     } else if (!scene.more.empty()) {
       // A channel's own colour is the one of its brightest values.
-      annotations.legend.push_back(
-          {legendName(*layer, scene), layer->look.transfer.colors.back().rgb});
+      const ShownChannel& channel = layer->volume.channel;
+      annotations.legend.push_back({channel.name.empty() ? channel.id() : channel.name,
+                                    layer->look.transfer.colors.back().rgb});
     }
   }
   annotations.background = output.background;

@@ -162,8 +162,12 @@ ChannelSource openOver(const VolumeArguments& arguments, const VolumeLayout& fir
 
 std::vector<ChannelSource> openChannels(const VolumeArguments& arguments) {
   std::vector<ChannelSource> channels = openOwnChannels(arguments);
-  if (!arguments.over.empty())
-    channels.push_back(openOver(arguments, channels.front().source->layout()));
+  if (arguments.over.empty()) return channels;
+  const VolumeLayout& first = channels.front().source->layout();
+  // Of two volumes, each is known by its file.
+  if (channels.size() == 1 && channels.front().channel.name.empty())
+    channels.front().channel.name = first.name;
+  channels.push_back(openOver(arguments, first));
   return channels;
 }
 
