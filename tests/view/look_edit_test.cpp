@@ -64,6 +64,9 @@ TEST(LookEdit, addsNoSurfaceWhereNoneIsDrawn) {
   channels.channels.resize(2);
   EXPECT_FALSE(takesSurface({}, labels));
   EXPECT_FALSE(takesSurface({}, channels));
+  channels.channels[1].channel = "over";
+  EXPECT_TRUE(takesSurface({}, channels));
+  EXPECT_FALSE(takesSurface({.combine = LookOptions::Combine::kBlend}, channels));
 }
 
 }  // namespace

@@ -37,8 +37,11 @@ std::string valueText(const ShownLook& look, double value) {
 }
 
 bool takesSurface(const LookOptions& look, const ShownLook& shown) {
-  return look.mode == LookOptions::Mode::kComposite && !shown.labels && shown.channels.empty() &&
-         look.surfaces.size() < kMostSurfaces;
+  // Surfaces are the first volume's, of one channel; they are not blended.
+  const auto own = std::ranges::count_if(
+      shown.channels, [](const ShownLook::Channel& channel) { return channel.channel != "over"; });
+  return look.mode == LookOptions::Mode::kComposite && !shown.labels && own <= 1 &&
+         look.combine == LookOptions::Combine::kAdd && look.surfaces.size() < kMostSurfaces;
 }
 
 LookOptions withSurface(LookOptions look, std::array<double, 2> values) {
