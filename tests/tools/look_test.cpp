@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <functional>
 #include <sstream>
 #include <type_traits>
@@ -363,6 +364,16 @@ TEST(Look, thresholdBeyondTheValuesIsAWarning) {
               HasSubstr("warning: --threshold 300: nothing shows, the values are 0 to"));
   EXPECT_THAT(low.output, HasSubstr("everything shows"));
   EXPECT_THAT(program.run(line + "90").output, Not(HasSubstr("warning")));
+}
+
+TEST(Look, opacityBesideAFileIsAWarning) {
+  const Program program;
+  std::ofstream(program.folder.path() / "t.json")
+      << R"({"sluice_transfer_function": 1, "map": "grey", "opacities": [[40, 0], [90, 0.5]]})";
+  const std::string line = std::string("render ") + kSmall + " --size 24x24 -o a.png --force ";
+  EXPECT_THAT(program.run(line + "--transfer t.json --opacity 0.3").output,
+              HasSubstr("warning: --opacity 0.3: changes nothing, since --transfer has opacities"));
+  EXPECT_THAT(program.run(line + "--transfer t.json").output, Not(HasSubstr("warning")));
 }
 
 TEST(Look, optionsThatContradictEachOtherAreRefused) {

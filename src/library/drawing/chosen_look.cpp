@@ -105,6 +105,11 @@ class Chooser {
     if (!look_.map.empty()) addMap(look_.map);
     if (look_.range) measureFlatness(range_);
     if (look_.range) add(rangeOption(*look_.range));
+    if (look_.opacity)
+      chosen_.warnings.push_back(fmt::format(
+          "--opacity {}: changes nothing, since --transfer has opacities of its own; --opacities "
+          "replaces them",
+          *look_.opacity));
     if (look_.opacities.empty()) return;
     chosen_.transfer.opacities = look_.opacities;  // over the file's colours
     add(pointsOption(look_.opacities));
