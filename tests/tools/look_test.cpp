@@ -352,6 +352,7 @@ TEST(Look, modesTakeTheWholeRange) {
     EXPECT_EQ(report["blocks"]["white"], 0) << "everything takes part";
     const std::string own = lookOptions(program.json(line + "--threshold 90 --mode " + mode));
     EXPECT_THAT(own, HasSubstr("--threshold 90"));
+    EXPECT_THAT(own, HasSubstr("--map grey"));
   }
 }
 

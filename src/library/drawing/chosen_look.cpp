@@ -99,6 +99,12 @@ class Chooser {
   void add(const std::string& option) { chosen_.options += option; }
   void addMap(std::string_view map) { add(fmt::format(" --map {}", shellWord(std::string(map)))); }
 
+  // The mode's map, whichever values show.
+  std::string_view usualMap() const {
+    if (traitsOf(mode_).has_colors) return kDefaultColorMap;
+    return traitsOf(mode_).codes_depth ? kDepthMap : kModeMap;
+  }
+
   void fromFile() {
     chosen_.transfer = readTransferFunction(look_.transfer_file, range_, look_.map, look_.stop);
     add(fmt::format(" --transfer {}", shellWord(look_.transfer_file)));
@@ -116,7 +122,7 @@ class Chooser {
   }
 
   void fromPoints() {
-    const std::string_view map = mapOr(look_, kDefaultColorMap);
+    const std::string_view map = mapOr(look_, usualMap());
     chosen_.transfer = pointsTransfer(map, map_range_, look_.opacities);
     measureFlatness(map_range_);
     addMap(map);
@@ -145,7 +151,7 @@ class Chooser {
   }
 
   void fromThreshold(double threshold) {
-    const std::string_view map = mapOr(look_, kDefaultColorMap);
+    const std::string_view map = mapOr(look_, usualMap());
     const double opacity = look_.opacity.value_or(kDefaultOpacity);
     chosen_.transfer = thresholdTransfer(threshold, range_, opacity, map);
     add(fmt::format(" --threshold {} --opacity {}", threshold, opacity));
@@ -159,7 +165,7 @@ class Chooser {
   }
 
   void wholeRange() {
-    const std::string_view map = mapOr(look_, traitsOf(mode_).codes_depth ? kDepthMap : kModeMap);
+    const std::string_view map = mapOr(look_, usualMap());
     chosen_.transfer = wholeRangeTransfer(map, map_range_);
     addMap(map);
     add(rangeOption(map_range_));
