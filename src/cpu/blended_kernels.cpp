@@ -41,7 +41,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 constexpr int kSlicesAtOnce = 8;
 constexpr float kMostAtOnce = kSlicesAtOnce;
 
-// What the channels show of a slice.
+// The colours that the channels show in a slice, added up.
 struct Mixture {
   Color sum;
   V clear;  // the product of 1 - opacity

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "src/base/looks/channel_look.h"
 #include "src/device/frame_values.h"
 #include "src/device/integrated_look.h"
 
@@ -20,8 +21,8 @@ inline constexpr int kTilePixels = kTileSide * kTileSide;
 // The widest packet: pixels that one instruction works on.
 inline constexpr int kMostLanes = 16;
 
-// Channels that are blended at the most.
-inline constexpr size_t kMostBlended = 8;
+// Channels that are blended at the most: a volume's, and a volume over it.
+inline constexpr size_t kMostBlended = kMostChannels + 1;
 
 // FrameSetup in single precision; rays relative to origin0.
 struct KernelFrame {

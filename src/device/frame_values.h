@@ -210,7 +210,8 @@ struct BoxDraw {
   Box3 cells;
   TexelMap texels;
   uint32_t layer = 0;  // layer of a part, see partial_picture.h
-  // Of a frame of several channels, 0 for the setup's own; whether it joins the box before it.
+  // The channel of a frame of several, 0 for the setup's own, and whether the box joins the one
+  // before it.
   uint32_t channel = 0;
   bool joins = false;
 };

@@ -94,7 +94,7 @@ FloatPicture blendedPlainly(const std::vector<Channel>& channels, const View& vi
   return picture;
 }
 
-// What the sessions draw, with the reports of all channels.
+// The picture that the sessions draw, with the reports of all channels.
 FloatPicture blended(const std::vector<Channel>& channels, const SceneOptions& scene,
                      const FrameOptions& options, std::vector<FrameReport>& reports) {
   const std::unique_ptr<Device> device = suiteDevice();

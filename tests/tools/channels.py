@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Volumes of several channels by zarr-python and tifffile, and sums of pictures by NumPy.
 
-  channels.py write            writes cells.ome.zarr, cells.ome.tif, flat.ome.zarr, deep.ome.zarr
-                               into this folder
+  channels.py write            writes cells.ome.zarr, cells.ome.tif, flat.ome.zarr, deep.ome.zarr,
+                               eight.ome.zarr into this folder
   channels.py sum WHOLE PART.. prints the largest difference of WHOLE and the sum of the PARTs, in 1/255
   channels.py flat WHOLE       the same of WHOLE and the projection of flat.ome.zarr
   channels.py deep WHOLE       the same of WHOLE and deep.ome.zarr, blended
@@ -64,6 +64,8 @@ def write():
     write_zarr('flat.ome.zarr', np.repeat(image, 6, axis=1))
 
 
+    eight = np.random.default_rng(5).integers(0, 6000, (8, 6, 32, 48)).astype('u2')
+    write_zarr('eight.ome.zarr', eight)
     deep = np.random.default_rng(4).integers(0, 6000, (4, 9, 32, 48)).astype('u2')
     np.save('deep.npy', deep)
     write_zarr('deep.ome.zarr', deep)

@@ -147,6 +147,32 @@ TEST_F(Channels, blendedStripsLoadTheirPartAlone) {
   EXPECT_LT(loaded(strips), 25 * loaded(whole));  // 47 if each loads all
 }
 
+// A plan has the chunks that pictures are drawn from, and refuses what pictures do.
+TEST_F(Channels, blendedPlanIsThatOfThePicture) {
+  for (const char* room : {"--pages 8", "--memory 40M"}) {
+    const std::string options = fmt::format(
+        " cells.ome.zarr --combine blend --step 1 --size 200x160 --block 16 --page 16x16x16 {} ",
+        room);
+    const auto plan = program_.json("plan" + options)["algorithms"]["merged"];
+    const auto frame = program_.json("render" + options + "--force -o a.png")["frames"][0];
+    EXPECT_GT(plan["chunks"], 0);
+    EXPECT_EQ(plan["chunks"], frame["chunks"]) << room;
+    EXPECT_EQ(plan["pages"], frame["pages"]) << room;
+  }
+  const CommandResult refused = program_.run("plan cells.ome.zarr --combine blend --mode mip");
+  EXPECT_EQ(refused.status, 1);
+  EXPECT_THAT(refused.output, HasSubstr("--combine blend needs --mode composite"));
+}
+
+// As many channels as pictures show, and a volume over them.
+TEST_F(Channels, nineLayersAreBlended) {
+  const auto report = program_.json(
+      "render eight.ome.zarr --channel 0,1,2,3,4,5,6,7 --over flat.ome.zarr --combine blend "
+      "--step 1 --size 48x32 --verify -o a.png");
+  EXPECT_EQ(report["channels"].size(), 9);
+  EXPECT_EQ(report["verify"]["differing_pixels"], 0);
+}
+
 TEST_F(Channels, blendingIsRefusedInOneLineWhereItIsNotKnown) {
   for (const auto& [arguments, message] :
        {std::pair("--mode mip", "--combine blend needs --mode composite"),

@@ -83,7 +83,7 @@ TEST_F(Over, isTheSumOfBothOnEachDevice) {
   }
 }
 
-// Of a scan that is lit and of labels of another type of voxel.
+// The scan is lit, and the labels have another type of voxel.
 TEST_F(Over, isBlendedOnOneGrid) {
   const std::string command = "scan.nrrd --over labels.nrrd --combine blend -o blend.png --verify ";
   for (const char* options : {"", "--look over:labels,0.3", "--projection perspective",

@@ -95,6 +95,7 @@ struct PlannedChannel {
   IndexedVolume volume;
   TransferFunction transfer;
   PlannedBlocks shown = {};
+  uint64_t others_bytes = 0;  // held in addition to the levels and the picture
   AlgorithmCosts costs = {};
   Forecast forecast = {};
   std::optional<PlannedBoxes> boxes = {};
@@ -208,6 +209,9 @@ PlannedPicture openPlanned(const PlanArguments& arguments, FinestLevel finest,
     shown.push_back(&channel.volume.channel);
   }
   requireShown(arguments.look, shown);
+  std::vector<const IndexedVolume*> volumes;
+  for (const PlannedChannel& channel : planned.channels) volumes.push_back(&channel.volume);
+  requireBlendable(arguments.look, frame, volumes);
   std::vector<Camera> cameras{frame.camera};
   fitCameras(cameras, arguments.fit, {std::move(fitted), frame, arguments.look.this_step}, {},
              arguments.resources, pool);
@@ -235,23 +239,39 @@ PlanArguments shareOf(PlanArguments arguments, size_t channels) {
   return arguments;
 }
 
-void planChannel(const PlanArguments& arguments, PlannedChannel& channel, PlannedCulling* culling,
-                 WorkerPool& pool) {
+// The blocks that a channel shows, and its pages.
+void shareOut(const PlanArguments& arguments, PlannedChannel& channel, PlannedCulling* culling,
+              WorkerPool& pool) {
   IndexedVolume& volume = channel.volume;
   channel.shown = plannedBlocks(volume, volume.step(), channel.transfer, arguments.frame,
                                 volume.page, culling != nullptr ? &culling->blocks : nullptr, pool);
-  const uint64_t others = othersBytes(volume, channel.transfer, arguments.frame, pool) +
-                          (culling != nullptr ? culling->most_bytes : 0);
-  volume.page.pages = besideShare(volume, arguments.resources, arguments.frame.partition,
-                                  pictureDemand(arguments.resources, arguments.frame), others)
-                          .pages;
+  channel.others_bytes = othersBytes(volume, channel.transfer, arguments.frame, pool) +
+                         (culling != nullptr ? culling->most_bytes : 0);
+  volume.page.pages =
+      besideShare(volume, arguments.resources, arguments.frame.partition,
+                  pictureDemand(arguments.resources, arguments.frame), channel.others_bytes)
+          .pages;
+}
+
+void planChannel(const PlanArguments& arguments, PlannedChannel& channel, WorkerPool& pool) {
+  const IndexedVolume& volume = channel.volume;
   channel.costs = algorithmCosts(volume, channel.shown, arguments.frame, volume.page, pool);
   if (arguments.frame.partition == Partition::kBoxes)
     channel.boxes = planBoxes({arguments.frame, arguments.resources, arguments.volume.time}, volume,
                               channel.shown, pool);
   const AlgorithmCost& chosen = channel.costs[static_cast<size_t>(arguments.frame.algorithm)];
-  channel.forecast = forecastOf(volume, *channel.shown.blocks, volume.page, chosen.bytes, others,
-                                arguments.frame, arguments.resources);
+  channel.forecast = forecastOf(volume, *channel.shown.blocks, volume.page, chosen.bytes,
+                                channel.others_bytes, arguments.frame, arguments.resources);
+}
+
+// Blended channels have clusters of the same blocks, see blended_frame.h.
+void evenOutBlended(const LookArguments& look, std::vector<PlannedChannel>& channels) {
+  if (look.combine == Combine::kAdd || channels.size() < 2) return;
+  std::vector<std::pair<const IndexedVolume*, PageGeometry*>> pages;
+  pages.reserve(channels.size());
+  for (PlannedChannel& channel : channels)
+    pages.emplace_back(&channel.volume, &channel.volume.page);
+  evenOutPages(pages);
 }
 
 void print(const PlannedChannel& channel, Algorithm algorithm) {
@@ -319,12 +339,16 @@ int run(const PlanArguments& asked, const CLI::App& app) {
   const std::unique_ptr<PlannedCulling> culling =
       plannedCulling(arguments, first.volume, first.transfer, pool);
   const PlanArguments share = shareOf(arguments, channels.size());
-  for (PlannedChannel& channel : channels) {
+  const auto argumentsOf = [&](const PlannedChannel& channel) {
     PlanArguments own = share;
     own.frame = frameOn(channel.volume.source->layout(), first.volume.source->layout(), own.frame);
     own.volume.time = channel.volume.time;
-    planChannel(own, channel, culling.get(), pool);
-  }
+    return own;
+  };
+  for (PlannedChannel& channel : channels)
+    shareOut(argumentsOf(channel), channel, culling.get(), pool);
+  evenOutBlended(arguments.look, channels);
+  for (PlannedChannel& channel : channels) planChannel(argumentsOf(channel), channel, pool);
   const Algorithm algorithm = arguments.frame.algorithm;
   nlohmann::json report = reportOf(channels, algorithm, app);
   addStoreJson(report, sumOf(channels).forecast, pass);

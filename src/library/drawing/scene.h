@@ -187,7 +187,7 @@ struct Scene : Layer {
   // Sets a layer's pages and what is held beside the levels.
   void shareOut(Layer& layer, const FrameOptions& frame, uint64_t more_bytes);
   void openSession(Layer& layer, Partition partition);
-  // Throws Error if the layers cannot be blended in such frames.
+  // The same of the layers, which the device has to draw.
   void requireBlendable(const LookArguments& look, const FrameOptions& options) const;
   // The sum of the layers' next frames.
   Frame drawLayers(std::vector<LayerFrame>& parts);
@@ -200,6 +200,9 @@ struct Scene : Layer {
 uint64_t othersBytes(const IndexedVolume& volume, const TransferFunction& transfer,
                      const FrameOptions& frame, WorkerPool& pool);
 
+// Throws Error if a look blends the volumes and such frames of them cannot be blended.
+void requireBlendable(const LookArguments& look, const FrameOptions& options,
+                      const std::vector<const IndexedVolume*>& volumes);
 // Gives the pages of each volume room for as many blocks, so that their clusters are the same, as
 // blending them takes (blended_frame.h).
 void evenOutPages(const std::vector<std::pair<const IndexedVolume*, PageGeometry*>>& pages);

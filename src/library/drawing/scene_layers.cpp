@@ -65,24 +65,22 @@ FrameOptions Scene::optionsOf(const Layer& layer, const FrameOptions& options) c
   return own;
 }
 
-void Scene::requireBlendable(const LookArguments& look, const FrameOptions& options) const {
-  if (look.combine == Combine::kAdd || more.empty()) return;
-  const VolumeLayout& first = volume.source->layout();
-  for (const auto& layer : more)
-    if (const VolumeLayout& layout = layer->volume.source->layout(); !isSameGrid(layout, first))
+void requireBlendable(const LookArguments& look, const FrameOptions& options,
+                      const std::vector<const IndexedVolume*>& volumes) {
+  if (look.combine == Combine::kAdd || volumes.size() < 2) return;
+  const IndexedVolume& first = *volumes.front();
+  for (const IndexedVolume* volume : volumes) {
+    if (!isSameGrid(volume->source->layout(), first.source->layout()))
       failRequest(
           "--combine blend: {} is on another grid of voxels than {}; leave out --combine, which "
           "adds their pictures",
-          layout.name, first.name);
-  for (const auto& layer : more)
-    if (const BlockLayout& blocks = layer->volume.layout;
-        blocks.size != volume.layout.size || blocks.ghost != volume.layout.ghost)
+          volume->source->layout().name, first.source->layout().name);
+    if (volume->layout.size != first.layout.size || volume->layout.ghost != first.layout.ghost)
       failRequest(
           "--combine blend: {} is read in other blocks than {}; give both the same --block, and "
           "levels of resolution to both or none",
-          layer->volume.name, volume.name);
-  if (!device->blendsChannels())
-    failRequest("--combine blend is drawn by the CPU device; give --device cpu");
+          volume->name, first.name);
+  }
   if (!traitsOf(options.mode).has_colors)
     failRequest("--combine blend needs --mode composite, since other modes show one value a pixel");
   if (!look.surfaces.empty()) failRequest("--combine blend draws no surfaces; leave out --iso");
@@ -92,6 +90,14 @@ void Scene::requireBlendable(const LookArguments& look, const FrameOptions& opti
         "--occlusion-light");
   if (options.occlusion != Occlusion::kOff || options.partition != Partition::kBlocks)
     failRequest("--combine blend draws whole blocks; leave out --occlusion and --partition");
+}
+
+void Scene::requireBlendable(const LookArguments& asked_look, const FrameOptions& options) const {
+  std::vector<const IndexedVolume*> volumes;
+  for (const Layer* layer : layers()) volumes.push_back(&layer->volume);
+  sluice::requireBlendable(asked_look, options, volumes);
+  if (asked_look.combine == Combine::kBlend && !more.empty() && !device->blendsChannels())
+    failRequest("--combine blend is drawn by the CPU device; give --device cpu");
 }
 
 Frame Scene::drawBlended(std::vector<LayerFrame>& parts) {

@@ -164,7 +164,7 @@ std::vector<ChannelSource> openChannels(const VolumeArguments& arguments) {
   std::vector<ChannelSource> channels = openOwnChannels(arguments);
   if (arguments.over.empty()) return channels;
   const VolumeLayout& first = channels.front().source->layout();
-  // Of two volumes, each is known by its file.
+  // Each of two volumes is known by its file.
   if (channels.size() == 1 && channels.front().channel.name.empty())
     channels.front().channel.name = first.name;
   channels.push_back(openOver(arguments, first));
@@ -173,7 +173,7 @@ std::vector<ChannelSource> openChannels(const VolumeArguments& arguments) {
 
 namespace {
 
-// What `asked` says of the volume over the first one, but for its own look.
+// The parts of `asked` that hold for the volume over the first one, without its own look.
 LookArguments sharedWithOver(const LookArguments& asked) {
   LookArguments look;
   look.this_step = asked.this_step;
@@ -266,11 +266,10 @@ std::string lookOptions(const LookArguments& asked, const std::vector<const Show
     if (!is_plain) looks += lookOption(asked, *channel);
     if (!channel->is_over) channels += (channels.empty() ? "" : ",") + channel->id();
   }
+  const std::string combine = asked.combine == Combine::kBlend ? " --combine blend" : "";
   const ShownChannel& first = *shown.front();
-  if (first.is_alone && ownLook(asked, first) == nullptr)
-    return first_options + looks + (asked.combine == Combine::kBlend ? " --combine blend" : "");
-  std::string text = "--channel " + channels;
-  if (asked.combine == Combine::kBlend) text += " --combine blend";
+  if (first.is_alone && ownLook(asked, first) == nullptr) return first_options + looks + combine;
+  std::string text = "--channel " + channels + combine;
   if (asked.threshold) text += fmt::format(" --threshold {}", *asked.threshold);
   if (!asked.transfer_file.empty()) text += " --transfer " + shellWord(asked.transfer_file);
   if (asked.labels) text += " --labels";

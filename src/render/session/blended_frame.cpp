@@ -195,8 +195,9 @@ Frame blendedFrame(std::span<Session* const> sessions, Device& device,
 
   ReadAhead::Deadline deadline;
   if (options.time_limit_s)
-    deadline = asked_at + std::chrono::duration_cast<std::chrono::nanoseconds>(
-                              std::chrono::duration<double>(*options.time_limit_s));
+    deadline =
+        asked_at + std::chrono::duration_cast<std::chrono::nanoseconds>(
+                       std::chrono::duration<double>(*options.time_limit_s - first.last_draw_s));
   const DeviceFrame ends(device);
   device.beginFrame(setup, options.stop);
   const SharedFrame shared{all, order, setup, rowsOf(device)};
@@ -230,6 +231,7 @@ Frame blendedFrame(std::span<Session* const> sessions, Device& device,
   Frame frame;
   frame.picture = device.endFrame();
   draw_s += stage.lap();
+  for (Session* session : sessions) session->noteDrawing(draw_s);
   reports.clear();
   for (const auto& channel : channels) reports.push_back(channel->report());
   FrameReport& work = reports.front();

@@ -116,12 +116,13 @@ Session::Part Session::part() {
   const VisibleBlocksPtr visible = planner_.visibleBlocks(step_, look, view, options);
   visible_ = visible;
   const FramePlanPtr plan = planner_.plan(step_, visible, options);
-  lessons_ = {};
+  const double last_draw_s = std::exchange(lessons_, {}).draw_s;
   read_afterwards_.reset();
   afterwards_.reset();
   residency_.forgetUnused(*plan);
   ++frame_number_;
-  return {step_, look, visible, plan, &residency_, options, session_.lit && options.shades};
+  return {step_,      look, visible, plan, &residency_, options, session_.lit && options.shades,
+          last_draw_s};
 }
 
 void Session::readAfterwards(const TimeStep& next) {

@@ -71,9 +71,10 @@ class Session {
   // Draws. Throws Error, and Interrupted when FrameOptions::stop asks for it; the next frame is
   // right anyway. Requires: a transfer function is set.
   Frame frame();
-  // What the next frame would be drawn from, for a frame that shows several sessions as one medium
-  // (blended_frame.h). It is of the finest level, whole, without occlusion. Of sessions of one grid
-  // and one number of pages, the clusters of the plans are the same parts of the volume.
+  // The values that the next frame would be drawn from, for a frame that shows several sessions as
+  // one medium (blended_frame.h). It is of the finest level, whole, without occlusion. Of sessions
+  // of one grid and one number of pages, the clusters of the plans are the same parts of the
+  // volume.
   struct Part {
     TimeStep step;
     LookPtr look;
@@ -82,8 +83,11 @@ class Session {
     Residency* residency = nullptr;
     FrameOptions options;
     bool lit = false;
+    double last_draw_s = 0;  // the drawing time of the last frame
   };
   Part part();
+  // The drawing time of the frame that the part was drawn in.
+  void noteDrawing(double draw_s) { lessons_.draw_s = draw_s; }
   // The report of the next frame if no block shows anything in it, so that it need not be drawn;
   // nullopt: it has to be. The planner keeps what it found for the frame.
   std::optional<FrameReport> withoutBlocks();
