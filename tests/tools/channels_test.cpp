@@ -24,8 +24,7 @@ class Channels : public testing::Test {
     ASSERT_EQ(python("write"), "");
   }
   std::string python(const std::string& arguments) const {
-    return runCommand("cd " + shellQuoted(program_.folder.path().string()) +
-                      " && /usr/bin/python3 " SLUICE_TEST_DIR "/tools/channels.py " + arguments)
+    return program_.inFolder("/usr/bin/python3 " SLUICE_TEST_DIR "/tools/channels.py " + arguments)
         .output;
   }
   // The largest difference of a picture and a sum, as the script prints it.

@@ -4,7 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <array>
+#include <filesystem>
+#include <fstream>
 #include <sstream>
 
 #include "tests/tools/program.h"
@@ -22,8 +23,7 @@ class Over : public testing::Test {
     ASSERT_EQ(python("write"), "");
   }
   std::string python(const std::string& arguments) const {
-    return runCommand("cd " + shellQuoted(program_.folder.path().string()) +
-                      " && /usr/bin/python3 " SLUICE_TEST_DIR "/tools/over.py " + arguments)
+    return program_.inFolder("/usr/bin/python3 " SLUICE_TEST_DIR "/tools/over.py " + arguments)
         .output;
   }
   // The largest difference of two pictures that show something, or of one and the sum of others.
@@ -111,6 +111,7 @@ TEST_F(Over, labelsHaveTheirColours) {
 TEST_F(Over, saysWhatDoesNotFit) {
   EXPECT_THAT(render("scan.nrrd --over apart.nrrd -o apart.png"),
               HasSubstr("apart.nrrd: lies beside scan.nrrd in the world"));
+  std::ofstream(program_.folder.path() / "a.json") << "1 one 255 0 0 255\n";
   struct Case {
     const char *arguments, *message;
   };
@@ -125,6 +126,8 @@ TEST_F(Over, saysWhatDoesNotFit) {
              "a trace records the texture cache of one channel, not 2; leave out --over"},
         Case{"--look over:green", "--look over:green: that channel is not shown"},
         Case{"--over spot.nrrd --look over:nocolour", "nocolour"},
+        Case{"--over labels.nrrd --look over:./a.json --report a.json --force",
+             "a.json, which this command reads"},
         Case{"--over spot.nrrd --look over:none.txt", "none.txt"}}) {
     const CommandResult result =
         program_.run(std::string("render scan.nrrd -o no.png ") + c.arguments);

@@ -65,8 +65,7 @@ TEST(PictureOutput, anExrIsThePngInLinearLight) {
           program.run(std::string("render ") + kSmall + kSmallLook + "-o " + file + look).status,
           0);
     const auto run =
-        runCommand("cd " + shellQuoted(program.folder.path().string()) +
-                   " && /usr/bin/python3 " SLUICE_TEST_DIR "/io/read_exr_oiio.py a.exr a.png");
+        program.inFolder("/usr/bin/python3 " SLUICE_TEST_DIR "/io/read_exr_oiio.py a.exr a.png");
     ASSERT_EQ(run.status, 0) << run.output;
     const size_t at = run.output.find("difference ");
     ASSERT_NE(at, std::string::npos) << run.output;

@@ -25,8 +25,13 @@ class Program {
     return runCommand("cd " + shellQuoted(folder.path().string()) +
                       " && XDG_CACHE_HOME=\"$PWD/cache\" " SLUICE_PROGRAM " " + arguments);
   }
-  // The same, sent a signal ("INT") as soon as `until`, a test of sh, holds: a machine under load
-  // may take long to get there. `$pid` is the program's. The status is 0 when it ended before.
+  // Another command of sh.
+  CommandResult inFolder(const std::string& command) const {
+    return runCommand("cd " + shellQuoted(folder.path().string()) + " && " + command);
+  }
+  // The same as run(), sent a signal ("INT") as soon as `until`, a test of sh, holds: a machine
+  // under load may take long to get there. `$pid` is the program's. The status is 0 when it ended
+  // before.
   CommandResult signalled(const std::string& arguments, const std::string& signal,
                           const std::string& until, const std::string& first = "") const {
     // sh has its background jobs ignore SIGINT.

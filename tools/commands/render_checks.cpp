@@ -45,8 +45,8 @@ bool numbersPictures(const Arguments& arguments) {
 Outputs renderOutputs(const Arguments& arguments) {
   Outputs outputs(arguments.force);
   outputs.reads(arguments.volume.inputs);
-  outputs.reads({arguments.volume.over, arguments.look.transfer_file, arguments.look.label_table,
-                 arguments.path_file, arguments.state_file});
+  outputs.reads({arguments.volume.over, arguments.path_file, arguments.state_file});
+  outputs.reads(filesOf(arguments.look));
   outputs.reads(basisFiles(arguments.culling));
   if (isFilmName(arguments.output))
     outputs.writes("-o", arguments.output, FileKind::kFilm);

@@ -313,7 +313,7 @@ int run(const PlanArguments& asked, const CLI::App& app) {
   Outputs outputs(arguments.force);
   outputs.reads(arguments.volume.inputs);
   outputs.reads(arguments.volume.over);
-  outputs.reads(arguments.look.transfer_file);
+  outputs.reads(filesOf(arguments.look));
   outputs.writes("--report", arguments.report_file, reportKind(arguments.report_file));
   outputs.checkNames();
   std::optional<PassForecast> pass =

@@ -308,4 +308,11 @@ std::string notOne(size_t channels, const ShownChannel& last) {
   return line;
 }
 
+std::vector<std::string> filesOf(const LookArguments& look) {
+  std::vector<std::string> files{look.transfer_file, look.label_table};
+  for (const ChannelLook& channel : look.channels)
+    if (isLabelTable(channel.map)) files.push_back(channel.map);
+  return files;
+}
+
 }  // namespace sluice

@@ -67,4 +67,7 @@ std::string notOne(size_t channels, const ShownChannel& last);
 // Throws Error for a look of a channel that is not shown.
 void requireShown(const LookArguments& asked, const std::vector<const ShownChannel*>& shown);
 
+// The files that a look reads; some may be empty.
+std::vector<std::string> filesOf(const LookArguments& look);
+
 }  // namespace sluice
