@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """A volume and others over it as NRRD files, written by NumPy, and differences of pictures.
 
-  over.py write          writes scan.nrrd, spot.nrrd, turned.nrrd, labels.nrrd, apart.nrrd, table.txt
+  over.py write          writes scan.nrrd, spot.nrrd, turned.nrrd, labels.nrrd, and more
   over.py compare A B..  prints the largest difference of A and the sum of the others, and A's brightest value
   over.py hues PICTURE   prints how many of red, green and blue are the only bright one of 20 pixels or more
 """
@@ -20,7 +20,7 @@ def nrrd(name, voxels, directions, origin, space='right-anterior-superior', unit
     header = f"""NRRD0004
 type: uint8
 dimension: {voxels.ndim}
-space: {space}
+{'space: ' + space if space else 'space dimension: 3'}
 sizes: {sizes}
 space directions: {' '.join(map(vector, directions))}{' none' if voxels.ndim == 4 else ''}
 space units: "{unit}" "{unit}" "{unit}"
@@ -51,6 +51,9 @@ def write():
     labels = np.zeros((N, N, N), 'u1')
     labels[10:20, 10:20, 10:20], labels[10:20, 30:40, 10:20], labels[30:40, 10:40, 30:40] = 1, 2, 7
     nrrd('labels.nrrd', labels, axes, ORIGIN)
+    # The same voxels in other words: axes without a meaning, and the labels in LPS and micrometers.
+    nrrd('silent.nrrd', spot, axes, ORIGIN, space='')
+    nrrd('moved.nrrd', labels, [1000 * flip @ d for d in axes], 1000 * flip @ ORIGIN, 'left-posterior-superior', 'um')
     nrrd('apart.nrrd', spot, axes, ORIGIN + 1000)
     nrrd('steps.nrrd', np.stack([spot, spot]), axes, ORIGIN)
     with open('table.txt', 'w') as table:

@@ -58,10 +58,11 @@ TEST_F(Over, gridAxesAndUnitsOfTheSecondVolumeMakeNoDifference) {
         side + " --step 0.3", std::string("--eye 60,-200,80 --target 60,30,60 --zoom 2"),
         std::string("--eye 60,-200,80 --target 60,30,60 --projection perspective")}) {
     SCOPED_TRACE(options);
-    for (const char* over : {"spot", "turned"})
+    for (const char* over : {"spot", "turned", "silent"})
       render(fmt::format("scan.nrrd --over {0}.nrrd -o {0}.png {1}", over, options));
     render("scan.nrrd -o alone.png " + options);
     EXPECT_LE(difference("spot.png", "turned.png"), 1);
+    EXPECT_LE(difference("spot.png", "silent.png"), 1);
     EXPECT_GT(difference("spot.png", "alone.png"), 20);
   }
 }
@@ -89,6 +90,8 @@ TEST_F(Over, isBlendedOnOneGrid) {
   for (const char* options : {"", "--look over:labels,0.3", "--projection perspective",
                               "--block 16 --page 16x16x16", "--step 0.7"})
     EXPECT_THAT(render(command + options), HasSubstr("0 pixels above 1/255")) << options;
+  render("scan.nrrd --over moved.nrrd --combine blend --step 0.7 -o moved.png");
+  EXPECT_LE(difference("blend.png", "moved.png"), 1);
   render("scan.nrrd --over labels.nrrd -o add.png");
   EXPECT_GT(difference("blend.png", "add.png"), 20);
   const CommandResult result =

@@ -112,7 +112,7 @@ bool mustReadFinest(const IndexedVolume& volume, const TransferFunction& transfe
     return false;
   const VolumeLayout& layout = volume.source->layout();
   std::vector<Camera> own(cameras.begin(), cameras.end());
-  if (!isSameGrid(layout, first))
+  if (!isSamePlace(layout, first))
     for (Camera& camera : own) camera = cameraOn(layout, first, camera, frame.size);
   return showsFinest(volume.step(), transfer, frameOn(layout, first, frame), own, pool);
 }

@@ -50,12 +50,12 @@ FrameOptions Scene::optionsOf(const Layer& layer, const FrameOptions& options) c
   FrameOptions own = has_view ? frameOn(layout, volume.source->layout(), options) : options;
   own.shades = layer.look.lit;
   if (look.flat_scale > 0) own.lighting.flat_share *= layer.look.flat_scale / look.flat_scale;
-  // Waiting and blocks of a cut are shared out, too.
   if (blends()) {
     own.cut.reset();
     own.integrates = false;
     return own;
   }
+  // Waiting and blocks of a cut are shared out, too.
   if (own.time_limit_s) *own.time_limit_s /= static_cast<double>(all.size());
   if (own.cut) own.cut->most_held_bytes /= all.size();
   if (options.watch)
@@ -111,6 +111,9 @@ Frame Scene::drawBlended(std::vector<LayerFrame>& parts) {
   // A medium of one channel is that channel's own frame.
   if (showing.size() == 1) {
     Frame frame = showing.front()->frame();
+    const auto place = std::ranges::find(sessions, showing.front()) - sessions.begin();
+    toUnitOf(volume.source->layout(), layers()[static_cast<size_t>(place)]->volume.source->layout(),
+             frame.picture.depth);
     parts.clear();
     for (size_t i = 0; i < sessions.size(); ++i)
       parts.push_back(without_blocks[i] ? LayerFrame{*without_blocks[i], false}

@@ -1,6 +1,7 @@
 #include "src/library/drawing/shared_world.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -14,10 +15,26 @@
 namespace sluice {
 namespace {
 
-// RAS and LPS differ in the signs of x and y. Of other pairs nothing is known.
+// RAS and LPS differ in the signs of x and y. Nothing is known of other pairs.
 bool areTurned(const VolumeLayout& a, const VolumeLayout& b) {
   return (a.frame == WorldFrame::kRas && b.frame == WorldFrame::kLps) ||
          (a.frame == WorldFrame::kLps && b.frame == WorldFrame::kRas);
+}
+
+// The outer voxels of the box.
+std::array<Vec3d, 8> cornersOf(const Box3& box) {
+  const Vec3i outer = box.hi - Vec3i{1, 1, 1};
+  std::array<Vec3d, 8> corners;
+  for (size_t i = 0; i < corners.size(); ++i)
+    corners[i] =
+        toDouble(Vec3i{(i & 1) != 0 ? outer.x : box.lo.x, (i & 2) != 0 ? outer.y : box.lo.y,
+                       (i & 4) != 0 ? outer.z : box.lo.z});
+  return corners;
+}
+
+// A position in the index space of `from`, in that of `to`.
+Vec3d indexIn(const VolumeLayout& to, const VolumeLayout& from, Vec3d index) {
+  return indexFromWorld(to, positionOn(to, from, worldFromIndex(from, index)));
 }
 
 // The planes through the outer voxels of the crop.
@@ -37,9 +54,19 @@ std::vector<WorldPlane> sidesOf(const VolumeLayout& layout, const Box3& crop) {
 
 }  // namespace
 
-bool isSameGrid(const VolumeLayout& a, const VolumeLayout& b) {
+bool isSamePlace(const VolumeLayout& a, const VolumeLayout& b) {
   return a.dims == b.dims && a.spacing == b.spacing && a.origin == b.origin && a.axes == b.axes &&
-         !areTurned(a, b) && worldScale(a, b) == 1;
+         a.frame == b.frame && worldScale(a, b) == 1;
+}
+
+bool isSameGrid(const VolumeLayout& a, const VolumeLayout& b) {
+  if (a.dims != b.dims) return false;
+  for (const Vec3d& corner : cornersOf(boxOf(a.dims))) {
+    const Vec3d away = indexIn(b, a, corner) - corner;
+    constexpr double kRounding = 1e-3;  // headers have single precision
+    if (std::max({std::abs(away.x), std::abs(away.y), std::abs(away.z)}) > kRounding) return false;
+  }
+  return true;
 }
 
 double worldScale(const VolumeLayout& from, const VolumeLayout& to) {
@@ -73,16 +100,11 @@ Camera cameraOn(const VolumeLayout& to, const VolumeLayout& from, const Camera& 
 
 std::optional<Box3> cropOn(const VolumeLayout& to, const VolumeLayout& from,
                            const std::optional<Box3>& crop) {
-  if (!crop || isSameGrid(to, from)) return crop;
+  if (!crop || isSamePlace(to, from)) return crop;
   const double far = std::numeric_limits<double>::infinity();
   Vec3d lo{far, far, far}, hi = -lo;
-  for (int corner = 0; corner < 8; ++corner) {
-    const Vec3i outer = crop->hi - Vec3i{1, 1, 1};
-    const Vec3i voxel{(corner & 1) != 0 ? outer.x : crop->lo.x,
-                      (corner & 2) != 0 ? outer.y : crop->lo.y,
-                      (corner & 4) != 0 ? outer.z : crop->lo.z};
-    const Vec3d index =
-        indexFromWorld(to, positionOn(to, from, worldFromIndex(from, toDouble(voxel))));
+  for (const Vec3d& corner : cornersOf(*crop)) {
+    const Vec3d index = indexIn(to, from, corner);
     lo = min(lo, index);
     hi = max(hi, index);
   }
@@ -102,7 +124,7 @@ double stepOn(const VolumeLayout& from, const VolumeLayout& to, double step_vox)
 }
 
 FrameOptions frameOn(const VolumeLayout& to, const VolumeLayout& from, const FrameOptions& frame) {
-  if (isSameGrid(to, from)) return frame;
+  if (isSamePlace(to, from)) return frame;
   FrameOptions own = frame;
   own.camera = cameraOn(to, from, frame.camera, frame.size);
   // More than four samples a voxel add nothing, unless they are asked for.

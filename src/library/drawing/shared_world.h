@@ -14,7 +14,11 @@
 
 namespace sluice {
 
-// Whether both have the same voxels at the same places, as the channels of a file have.
+// Whether the same options show both alike, as those of the channels of a file: also the meaning of
+// the axes, which views follow, and the unit are the same.
+bool isSamePlace(const VolumeLayout& a, const VolumeLayout& b);
+// Whether both have the same voxels at the same positions, whichever world these are given in, but
+// for a rounding of a thousandth of a voxel.
 bool isSameGrid(const VolumeLayout& a, const VolumeLayout& b);
 
 // A length in world units of `to` that is one world unit of `from`; 1 if a unit is not known.
@@ -29,7 +33,7 @@ Camera cameraOn(const VolumeLayout& to, const VolumeLayout& from, const Camera& 
 // The voxels of `to` around the cells that a crop of `from` shows, empty if there are none.
 std::optional<Box3> cropOn(const VolumeLayout& to, const VolumeLayout& from,
                            const std::optional<Box3>& crop);
-// The options of a frame of `from` for `to`, the same ones if the grids are. Slices have the same
+// The options of a frame of `from` for `to`, the same ones if the places are. Slices have the same
 // distance in the world, or a quarter of a voxel of `to` if that is more, the sides of a crop
 // become clip planes, colours by depth span the depths of `from`, and a level of resolution that
 // was asked for is that of `from` alone. Throws as resolve() does.

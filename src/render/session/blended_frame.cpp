@@ -154,8 +154,8 @@ FrameSetup setupOf(const std::vector<Session::Part>& parts, const View& view) {
   std::vector<FrameSetup> setups;
   setups.reserve(parts.size());
   for (const Session::Part& part : parts)
-    setups.push_back(frameSetup(view, part.step.source->layout(), *part.look, part.step.ranges->map,
-                                part.options, part.lit));
+    setups.push_back(frameSetup(view, parts.front().step.source->layout(), *part.look,
+                                part.step.ranges->map, part.options, part.lit));
   FrameSetup first = std::move(setups.front());
   setups.erase(setups.begin());
   first.others = std::move(setups);

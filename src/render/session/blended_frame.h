@@ -17,8 +17,8 @@ namespace sluice {
 
 // The next frame of the sessions, whose device draws setups with `others`, with the camera, the
 // size and the rays of the first one's options. `parts`: set to a report each. The sessions'
-// volumes have one grid, and the sessions one block size and number of pages. Throws as
-// Session::frame() does.
+// volumes have one grid, which the first one places in the world, and the sessions one block size
+// and number of pages. Throws as Session::frame() does.
 Frame blendedFrame(std::span<Session* const> sessions, Device& device,
                    std::vector<FrameReport>& parts);
 
