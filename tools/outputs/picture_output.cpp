@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <numeric>
 #include <utility>
 
 #include "src/annotate/annotate.h"
@@ -24,6 +25,16 @@ void addLabels(const Layer& layer, Annotations& annotations) {
     if (entry.lo == entry.hi && opacityAt(layer.look.transfer, entry.lo) > 0)
       annotations.legend.push_back(
           {labelName(layer.look, entry.lo), colorAt(layer.look.transfer, entry.lo)});
+}
+
+// A channel's own colour is the one of its brightest values. The map of a volume over another one
+// ends in white, as that one's may, so that the middle tells more.
+LegendEntry patchOf(const Layer& layer) {
+  const ShownChannel& channel = layer.volume.channel;
+  const TransferFunction& transfer = layer.look.transfer;
+  const double lo = transfer.colors.front().value, hi = transfer.colors.back().value;
+  return {channel.name.empty() ? channel.id() : channel.name,
+          colorAt(transfer, channel.is_over ? std::midpoint(lo, hi) : hi)};
 }
 
 // The colours of a picture by depth: of world units behind the nearest part of what it shows.
@@ -65,10 +76,7 @@ Annotations annotationsOf(const PictureOutput& output, const FrameOptions& optio
     if (layer->look.transfer.labels) {
       addLabels(*layer, annotations);
     } else if (!scene.more.empty()) {
-      // A channel's own colour is the one of its brightest values.
-      const ShownChannel& channel = layer->volume.channel;
-      annotations.legend.push_back({channel.name.empty() ? channel.id() : channel.name,
-                                    layer->look.transfer.colors.back().rgb});
+      annotations.legend.push_back(patchOf(*layer));
     }
   }
   annotations.background = output.background;
