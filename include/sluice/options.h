@@ -21,7 +21,7 @@ struct LookOptions {
   // depth.
   enum class Mode { kComposite, kMaximum, kMinimum, kAverage, kAttenuatedMaximum, kDepthMaximum };
   // Several channels: their pictures added up, as fluorescence adds up, or each sample of a ray
-  // blended of all channels, as one medium: composite mode, channels of one grid, the CPU device.
+  // blended of all channels, as one medium: composite mode, channels of one grid.
   enum class Combine { kAdd, kBlend };
   // Whether light falls on surfaces, by the gradient.
   enum class Light { kChosen, kOn, kOff };

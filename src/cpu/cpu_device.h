@@ -50,7 +50,6 @@ class CpuDevice : public Device, public DrawsRows {
   uint64_t countSamples(std::span<const BoxDraw> boxes) override;
   uint64_t takenSamples() override;
   Picture endFrame() override;
-  bool blendsChannels() const override { return true; }
   bool drawsParts() const override { return true; }
   PartialPicture endPart() override;
   void cancelFrame() override { forgetPutOff(); }

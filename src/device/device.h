@@ -94,8 +94,6 @@ class Device {
   virtual uint64_t takenSamples() = 0;
   // Waits for the drawing to finish; premultiplied.
   virtual Picture endFrame() = 0;
-  // Whether it draws setups with `others`.
-  virtual bool blendsChannels() const { return false; }
   // Whether frames with setup.is_part are drawn layer by layer and end with endPart() instead of
   // endFrame(). leastOpacity() and stopOpaque() are not called in such a frame.
   virtual bool drawsParts() const { return false; }

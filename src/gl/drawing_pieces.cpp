@@ -8,9 +8,22 @@
 
 namespace sluice {
 
-DrawingPieces::DrawingPieces(const FrameSetup& setup)
-    : DrawingPieces(setup, setup.lit || !setup.look_up->magnitudes.empty() ? kMostLitSamples
-                                                                           : kMostSamples) {}
+namespace {
+
+bool readsGradients(const FrameSetup& setup) {
+  return setup.lit || !setup.look_up->magnitudes.empty();
+}
+
+// Of a box, in which each channel takes as many as the frame's own.
+double mostSamples(const FrameSetup& setup) {
+  const bool gradients = readsGradients(setup) || std::ranges::any_of(setup.others, readsGradients);
+  return (gradients ? DrawingPieces::kMostLitSamples : DrawingPieces::kMostSamples) /
+         static_cast<double>(1 + setup.others.size());
+}
+
+}  // namespace
+
+DrawingPieces::DrawingPieces(const FrameSetup& setup) : DrawingPieces(setup, mostSamples(setup)) {}
 
 DrawingPieces::Rows DrawingPieces::rowsOf(const Box3& cells) const {
   const PictureRows rows = sluice::rowsOf(setup_, cells);

@@ -15,7 +15,7 @@ namespace {
 // Boxes a draw call: bounded by the smallest legal buffer texture (65536 texels).
 constexpr size_t kBoxesPerDraw = 65536 / kTexelsPerBox;
 // Texture units; 1, those from 3 to 5, 7 and 8 belong to LookTextures.
-constexpr GLenum kChunkUnit = 0, kBoxUnit = 2, kKeptUnit = 6;
+constexpr GLenum kChunkUnit = 0, kKeptUnit = 6;
 
 std::array<float, 3> asFloats(Vec3d v) {
   return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
@@ -48,6 +48,7 @@ GlDevice::GlDevice(std::unique_ptr<GlContext> context)
       pool_(gl_),
       look_(gl_),
       occlusion_(gl_),
+      blended_(gl_, context_->limits().max_texture_units),
       target_(gl_, context_->has("GL_MESA_pack_invert")),
       screen_(gl_) {
   gl_.GenVertexArrays(1, &vertex_array_);
@@ -116,7 +117,6 @@ void GlDevice::setBlending(Combining combining) {
 
 void GlDevice::setView(GlProgram& program) {
   const RayGrid& rays = setup_.rays;
-  program.set("chunk", static_cast<int>(kChunkUnit));
   program.set("boxes", static_cast<int>(kBoxUnit));
   program.set("first_row", static_cast<double>(frame_rows_.lo));
   program.set("view_origin_dx", rays.origin_dx);
@@ -127,6 +127,16 @@ void GlDevice::setView(GlProgram& program) {
   program.set("view_first_slice", static_cast<double>(setup_.first_slice));
   program.set("planes_a_voxel", static_cast<double>(setup_.planes_a_voxel));
   program.set("end_margin", endMargin(setup_.planes_a_voxel));
+  program.set("opacity_threshold", setup_.opacity_threshold);
+  program.set("view_first_depth", setup_.first_depth);
+  program.set("view_depth_step", setup_.depth_step);
+  const double ux = 2 * setup_.tan_half_x / setup_.size.width;
+  const double vy = 2 * setup_.tan_half_y / setup_.size.height;
+  const std::array<float, 4> pixel_ray = {
+      static_cast<float>(ux), static_cast<float>(-setup_.tan_half_x), static_cast<float>(vy),
+      static_cast<float>(-setup_.tan_half_y)};
+  program.set4("view_pixel_ray", pixel_ray.data(), 1);
+  if (setup_.depth_cueing > 0) setCueing(setup_, program);
   std::vector<float> planes;
   for (const ClipPlane& plane : setup_.clip_planes) {
     for (const float v : asFloats(plane.normal)) planes.push_back(v);
@@ -177,29 +187,13 @@ void GlDevice::stopOpaque() {
 
 void GlDevice::beginFrame(const FrameSetup& setup, const StopToken& stop) {
   SLUICE_CHECK_LE(setup.clip_planes.size(), kMostClipPlanes);
-  SLUICE_CHECK(setup.others.empty());
+  SLUICE_CHECK(setup.others.empty() || !setup.is_part);
   context_->makeCurrent();
   setup_ = setup;
   stop_ = stop;
   pieces_.emplace(setup_);
   const ModeTraits& traits = traitsOf(setup.mode);
-  const bool colors = traits.has_colors;
-  variant_ = {.combining = traits.combining,
-              .perspective = (colors || traits.combining == Combining::kAttenuated) &&
-                             setup.projection == Projection::kPerspective,
-              .with_depth = colors && setup.with_depth,
-              .stops_early = traits.hides && setup.opacity_threshold < 1,
-              .floats = setup.type == DeviceType::kF32,
-              .counts_taken = colors && setup.counts_taken && !setup.with_depth,
-              .counts = false,
-              .clip_planes = static_cast<int>(setup.clip_planes.size()),
-              .labels = colors && setup.look_up->labels,
-              .planes = traits.on_planes,
-              .codes_depth = traits.codes_depth,
-              .integrates = setup.integrates,
-              .cues_depth = setup.depth_cueing > 0,
-              .jitters = setup.jitter > 0};
-  if (colors) chooseShading(setup, variant_);
+  variant_ = frameVariant(setup);
   const int64_t most = limits().max_picture_size;
   if (std::max(setup.size.width, setup.size.height) > most)
     failRequest("a picture of {} x {} pixels: the GL driver draws at most {} along an axis",
@@ -214,27 +208,21 @@ void GlDevice::beginFrame(const FrameSetup& setup, const StopToken& stop) {
   gl_.ClearColor(start, start, start, start);
   gl_.Clear(GL_COLOR_BUFFER_BIT);
   told_.clear();
-  frameProgram(kOne, false);
+  if (setup_.others.empty())
+    frameProgram(kOne, false);
+  else
+    setView(blended_.begin(setup_));
 }
 
 void GlDevice::setFrame(GlProgram& program) {
   setView(program);
+  program.set("chunk", static_cast<int>(kChunkUnit));
   look_.setLookUp(setup_, variant_, program);
-  program.set("opacity_threshold", setup_.opacity_threshold);
-  program.set("view_first_depth", setup_.first_depth);
-  program.set("view_depth_step", setup_.depth_step);
-  const double ux = 2 * setup_.tan_half_x / setup_.size.width;
-  const double vy = 2 * setup_.tan_half_y / setup_.size.height;
-  const std::array<float, 4> pixel_ray = {
-      static_cast<float>(ux), static_cast<float>(-setup_.tan_half_x), static_cast<float>(vy),
-      static_cast<float>(-setup_.tan_half_y)};
-  program.set4("view_pixel_ray", pixel_ray.data(), 1);
   const ModeTraits& traits = traitsOf(setup_.mode);
   if (traits.has_colors) setShading(setup_, variant_, program);
   if (variant_.light_volume) look_.setLight(setup_, program);
   if (traits.combining == Combining::kAttenuated) program.set("kept", static_cast<int>(kKeptUnit));
   setWindow(setup_, program);
-  if (variant_.cues_depth) setCueing(setup_, program);
 }
 
 GlProgram& GlDevice::frameProgram(Vec3d scale, bool has_spread) {
@@ -257,18 +245,19 @@ GlProgram& GlDevice::frameProgram(Vec3d scale, bool has_spread) {
   return program;
 }
 
-void GlDevice::drawBoxes(std::span<const BoxDraw> boxes) {
+void GlDevice::drawBoxes(std::span<const BoxDraw> boxes, size_t group) {
   gl_.ActiveTexture(GL_TEXTURE0 + kBoxUnit);
   gl_.BindTexture(GL_TEXTURE_BUFFER, box_texture_);
-  for (size_t from = 0; from < boxes.size(); from += kBoxesPerDraw) {
-    const auto part = boxes.subspan(from, std::min(kBoxesPerDraw, boxes.size() - from));
+  const size_t most = kBoxesPerDraw / group * group;
+  for (size_t from = 0; from < boxes.size(); from += most) {
+    const auto part = boxes.subspan(from, std::min(most, boxes.size() - from));
     const std::vector<float> texels = boxTexels(setup_, part);
     gl_.BindBuffer(GL_TEXTURE_BUFFER, box_buffer_);
     gl_.BufferData(GL_TEXTURE_BUFFER, static_cast<GLsizeiptr>(texels.size() * sizeof(float)),
                    texels.data(), GL_STREAM_DRAW);
     gl_.TexBuffer(GL_TEXTURE_BUFFER, GL_RGBA32F, box_buffer_);
     gl_.DrawElementsInstanced(GL_TRIANGLES, static_cast<GLsizei>(kCubeTriangles.size()),
-                              GL_UNSIGNED_BYTE, nullptr, static_cast<GLsizei>(part.size()));
+                              GL_UNSIGNED_BYTE, nullptr, static_cast<GLsizei>(part.size() / group));
   }
 }
 
@@ -285,6 +274,7 @@ void GlDevice::drawOverKept(std::span<const BoxDraw> boxes, int row_lo, int row_
 
 void GlDevice::draw(std::span<const BoxDraw> boxes) {
   context_->makeCurrent();
+  if (!setup_.others.empty()) return drawBlended(boxes);
   while (!boxes.empty()) {
     auto of_chunk = firstAlike(boxes, [](const BoxDraw& a, const BoxDraw& b) {  //
       return a.chunk == b.chunk;
@@ -307,22 +297,46 @@ void GlDevice::drawFromChunk(std::span<const BoxDraw> boxes) {
       .set("chunk_texel_size", Vec3d{1 / size.x, 1 / size.y, 1 / size.z});
   gl_.ActiveTexture(GL_TEXTURE0 + kChunkUnit);
   gl_.BindTexture(GL_TEXTURE_3D, found->second.texture);
-  for (const DrawingPiece& piece : pieces_->cut(boxes)) {
-    if (piece.waits) gl_.Finish();
-    stop_.throwIfStopped();
-    const int row_lo = std::max(piece.row_lo, frame_rows_.lo),
-              row_hi = std::min(piece.row_hi, frame_rows_.hi);
-    if (row_lo >= row_hi) continue;
-    const bool is_band = row_lo > frame_rows_.lo || row_hi < frame_rows_.hi;
-    if (is_band) {
-      gl_.Enable(GL_SCISSOR_TEST);
-      gl_.Scissor(0, row_lo - frame_rows_.lo, setup_.size.width, row_hi - row_lo);
-    }
+  drawPieces(boxes, [&](const DrawingPiece& piece) {
     const auto of_piece = boxes.subspan(piece.first, piece.count);
     if (variant_.combining == Combining::kAttenuated)
-      drawOverKept(of_piece, row_lo, row_hi);
+      drawOverKept(of_piece, piece.row_lo, piece.row_hi);
     else
       drawBoxes(of_piece);
+  });
+}
+
+void GlDevice::drawBlended(std::span<const BoxDraw> boxes) {
+  const size_t channels = setup_.others.size() + 1;
+  while (!boxes.empty()) {
+    const BlendedBlocks blocks = takeBlocks(boxes, channels);
+    for (size_t c = 0; c < channels; ++c) {
+      if (!blocks.chunks[c]) continue;
+      const auto found = resident_.find(*blocks.chunks[c]);
+      SLUICE_CHECK(found != resident_.end());
+      blended_.bindChunk(c, found->second.texture, found->second.storage_vox);
+      ++binds_;
+    }
+    drawPieces(blocks.hulls, [&](const DrawingPiece& piece) {
+      drawBoxes(inGroups(blocks, piece.first, piece.count), channels + 1);
+    });
+  }
+}
+
+template <class Draw>
+void GlDevice::drawPieces(std::span<const BoxDraw> boxes, const Draw& draw) {
+  for (DrawingPiece piece : pieces_->cut(boxes)) {
+    if (piece.waits) gl_.Finish();
+    stop_.throwIfStopped();
+    piece.row_lo = std::max(piece.row_lo, frame_rows_.lo);
+    piece.row_hi = std::min(piece.row_hi, frame_rows_.hi);
+    if (piece.row_lo >= piece.row_hi) continue;
+    const bool is_band = piece.row_lo > frame_rows_.lo || piece.row_hi < frame_rows_.hi;
+    if (is_band) {
+      gl_.Enable(GL_SCISSOR_TEST);
+      gl_.Scissor(0, piece.row_lo - frame_rows_.lo, setup_.size.width, piece.row_hi - piece.row_lo);
+    }
+    draw(piece);
     if (is_band) gl_.Disable(GL_SCISSOR_TEST);
   }
 }

@@ -19,6 +19,7 @@
 #include "src/device/device.h"
 #include "src/device/picture_rows.h"
 #include "src/device/screen_picture.h"
+#include "src/gl/blended_drawing.h"
 #include "src/gl/contexts/context.h"
 #include "src/gl/drawing_pieces.h"
 #include "src/gl/look_textures.h"
@@ -75,7 +76,12 @@ class GlDevice : public Device, public DrawsForScreens, public DrawsRows {
   void bindTarget();
   // Draws boxes of one chunk and one scale, in pieces between which it checks whether to stop.
   void drawFromChunk(std::span<const BoxDraw> boxes);
-  void drawBoxes(std::span<const BoxDraw> boxes);
+  // Draws the boxes of a frame of several channels.
+  void drawBlended(std::span<const BoxDraw> boxes);
+  template <class Draw>
+  void drawPieces(std::span<const BoxDraw> boxes, const Draw& draw);
+  // Draws the boxes, or the first of each `group` of so many, which the program knows how to read.
+  void drawBoxes(std::span<const BoxDraw> boxes, size_t group = 1);
   // The same box by box, with the target's rows [row_lo, row_hi) of each as they were before it.
   void drawOverKept(std::span<const BoxDraw> boxes, int row_lo, int row_hi);
   // Adds up the counts in the second attachment.
@@ -86,6 +92,7 @@ class GlDevice : public Device, public DrawsForScreens, public DrawsRows {
   TexturePool pool_;
   LookTextures look_;
   OcclusionPasses occlusion_;
+  BlendedDrawing blended_;
   RenderTarget target_;
   ScreenTextures screen_;
   std::optional<std::array<float, 3>> keeps_;  // the next frame, over this background

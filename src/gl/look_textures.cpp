@@ -11,8 +11,7 @@
 namespace sluice {
 namespace {
 
-constexpr GLenum kLookUpUnit = 1, kFactorUnit = 3, kExpectedUnit = 4, kSumsUnit = 5, kLightUnit = 7,
-                 kNoiseUnit = 8;
+constexpr GLenum kExpectedUnit = 4, kSumsUnit = 5, kLightUnit = 7;
 
 // Filter of the bound table's texture.
 void setFilter(const GlFunctions& gl, GLint filter) {
@@ -55,25 +54,25 @@ void LookTextures::uploadLookUp(const FrameSetup& setup, const ShaderVariant& va
 }
 
 void LookTextures::setLookUp(const FrameSetup& setup, const ShaderVariant& variant,
-                             GlProgram& program) {
+                             GlProgram& program, const LookUnits& units) {
   const auto entries = static_cast<GLsizei>(setup.look_up->rgba.size() / 4);
   const bool interpolates = setup.look_up->interpolates || !traitsOf(setup.mode).has_colors;
-  gl_.ActiveTexture(GL_TEXTURE0 + kLookUpUnit);
+  gl_.ActiveTexture(GL_TEXTURE0 + units.look_up);
   gl_.BindTexture(GL_TEXTURE_2D, look_up_);
   uploadLookUp(setup, variant);
   setFilter(gl_, interpolates ? GL_LINEAR : GL_NEAREST);
   if (variant.factor_table) {
-    gl_.ActiveTexture(GL_TEXTURE0 + kFactorUnit);
+    gl_.ActiveTexture(GL_TEXTURE0 + units.factors);
     gl_.BindTexture(GL_TEXTURE_2D, factors_);
     setFilter(gl_, GL_LINEAR);
-    program.set("factors", static_cast<int>(kFactorUnit));
+    program.set("factors", static_cast<int>(units.factors));
   }
   // Entry e covers [e, e + 1) / entries of the texture.
   const ValueRange range = setup.look_up->device_range;
   const double span = range.hi - range.lo;
   const double per_device = span > 0 ? (entries - 1) / span : 0;
   const double scale = valueScale(setup.type);
-  program.set("look_up", static_cast<int>(kLookUpUnit));
+  program.set("look_up", static_cast<int>(units.look_up));
   program.set("label_entries", static_cast<int>(entries));
   const std::array<float, 4> line = {static_cast<float>(scale * per_device / entries),
                                      static_cast<float>((0.5 - range.lo * per_device) / entries),

@@ -12,6 +12,13 @@
 
 namespace sluice {
 
+// Units of textures that all programs may have; others belong to what they draw.
+inline constexpr GLenum kBoxUnit = 2, kNoiseUnit = 8;
+
+struct LookUnits {
+  GLenum look_up = 1, factors = 3;
+};
+
 class LookTextures {
  public:
   explicit LookTextures(const GlFunctions& gl);
@@ -20,7 +27,8 @@ class LookTextures {
   LookTextures& operator=(const LookTextures&) = delete;
 
   // Each binds its texture and tells the program, which is in use, how to read it.
-  void setLookUp(const FrameSetup& setup, const ShaderVariant& variant, GlProgram& program);
+  void setLookUp(const FrameSetup& setup, const ShaderVariant& variant, GlProgram& program,
+                 const LookUnits& units = {});
   void setExpected(const FrameSetup& setup, GlProgram& program);
   // Called after setLookUp(), whose line of entries it replaces.
   void setSums(const FrameSetup& setup, GlProgram& program);

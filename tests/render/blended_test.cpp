@@ -1,5 +1,5 @@
 // Several channels blended as one medium, against the rule of FrameSetup::others in plain double
-// loops over the pixels and the slices, on the CPU device.
+// loops over the pixels and the slices, on each device.
 #include <gtest/gtest.h>
 
 #include <array>

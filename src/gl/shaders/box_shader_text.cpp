@@ -2,13 +2,30 @@
 
 namespace sluice {
 
-// The inputs of a fragment: values of the box and of the frame. The frame's values come as flat
-// inputs too, because software GL reads a uniform again for each pixel in every turn of a loop, but
-// a flat input once for all the pixels that it draws together. GL 3.3 lets 60 components pass;
-// inputs that a variant does not read do not count. If all are taken, values read once a pixel stay
-// uniforms.
-const char* const kInputsText = R"(
+// The inputs of a fragment: values of the view and of the box. They come as flat inputs, because
+// software GL reads a uniform again for each pixel in every turn of a loop, but a flat input once
+// for all the pixels that it draws together. GL 3.3 lets 60 components pass; inputs that a variant
+// does not read do not count. If all are taken, values read once a pixel stay uniforms.
+const char* const kViewInputsText = R"(
+uniform samplerBuffer boxes;
 uniform float first_row;  // of the picture, the lowest that the target has
+FLAT vec3 origin_dx, origin_dy, step0;
+FLAT float first_slice;
+FLAT float first_depth, depth_step;
+FLAT float stop_opacity;
+#if PERSPECTIVE && GRADIENTS
+uniform vec3 view_step_dx, view_step_dy;
+uniform vec4 view_pixel_ray;
+#define step_dx view_step_dx
+#define step_dy view_step_dy
+#define pixel_ray view_pixel_ray
+#else
+FLAT vec3 step_dx, step_dy;
+FLAT vec4 pixel_ray;          // u tan x = x * .x + .y, v tan y = y * .z + .w
+#endif
+)";
+
+const char* const kBoxInputsText = R"(
 // Texels a voxel, along the volume's axes. A program of its own draws boxes of other scales than 1.
 #if SCALED
 uniform vec3 texel_scale;
@@ -24,21 +41,8 @@ FLAT int outer_faces;         // see BoxBuffer
 FLAT vec3 box_corner;         // of the box, in texels
 #endif
 FLAT vec3 texel_size;         // 1 / texels of the chunk
-FLAT vec3 origin_dx, origin_dy, step0;
-FLAT float first_slice;
-FLAT float entry_scale, entry_offset, stop_opacity;
+FLAT float entry_scale, entry_offset;
 FLAT float least, greatest;   // texel values of the first and the last entry
-FLAT float first_depth, depth_step;
-#if PERSPECTIVE && GRADIENTS
-uniform vec3 view_step_dx, view_step_dy;
-uniform vec4 view_pixel_ray;
-#define step_dx view_step_dx
-#define step_dy view_step_dy
-#define pixel_ray view_pixel_ray
-#else
-FLAT vec3 step_dx, step_dy;
-FLAT vec4 pixel_ray;          // u tan x = x * .x + .y, v tan y = y * .z + .w
-#endif
 #if GOES_AHEAD
 FLAT vec2 visible;            // texel values beyond these show nothing
 #endif
@@ -55,19 +59,36 @@ FLAT vec4 reflection;         // of what is seen in a mirror, of each light; amb
 #if GRADIENT_ROWS > 0
 FLAT vec4 ramp;               // of the first two rows: magnitude, 1 / distance, factor, its growth
 #endif
+vec3 textureOrder(vec3 v) { return turn == 2 ? v : turn == 0 ? v.yzx : v.zxy; }
 )";
 
-const char* const kVertexText = R"(
-uniform samplerBuffer boxes;
-uniform vec3 chunk_texel_size;
+const char* const kReadViewText = R"(
 uniform vec3 view_origin_dx, view_origin_dy, view_step0;
 uniform float view_first_slice, view_first_depth, view_depth_step;
 #if !(PERSPECTIVE && GRADIENTS)
 uniform vec3 view_step_dx, view_step_dy;
 uniform vec4 view_pixel_ray;
 #endif
-uniform vec4 entries;      // scale, offset, least, greatest
 uniform float opacity_threshold;
+void readView() {
+  origin_dx = view_origin_dx;
+  origin_dy = view_origin_dy;
+  step0 = view_step0;
+  first_slice = view_first_slice;
+  first_depth = view_first_depth;
+  depth_step = view_depth_step;
+  stop_opacity = opacity_threshold;
+#if !(PERSPECTIVE && GRADIENTS)
+  step_dx = view_step_dx;
+  step_dy = view_step_dy;
+  pixel_ray = view_pixel_ray;
+#endif
+}
+)";
+
+const char* const kReadBoxText = R"(
+uniform vec3 chunk_texel_size;
+uniform vec4 entries;      // scale, offset, least, greatest
 #if GOES_AHEAD
 uniform vec2 visible_texels;
 #endif
@@ -75,11 +96,9 @@ uniform vec2 visible_texels;
 // Along the volume's axes.
 uniform vec3 index_slope, index_toward[2], index_halfway[2];
 uniform vec4 view_reflection, first_rows;
-vec3 textureOrder(vec3 v) { return turn == 2 ? v : turn == 0 ? v.yzx : v.zxy; }
 #endif
-void main() {
-  int at = gl_InstanceID * 13;
-  vec4 corner = texelFetch(boxes, at + gl_VertexID);
+// The box whose texels begin at `at`.
+void readBox(int at) {
   vec4 lo = texelFetch(boxes, at + 8), hi = texelFetch(boxes, at + 9);
   box_lo = lo.xyz;
   box_hi = hi.xyz;
@@ -91,22 +110,11 @@ void main() {
        ray_dy = texelFetch(boxes, at + 12);
   texel0 = texel_ray.xyz * texel_unit;
 #if PLANES
-  outer_faces = int(corner.w);
+  outer_faces = int(texelFetch(boxes, at).w);
   box_corner = vec3(texel_ray.w, ray_dx.w, ray_dy.w);
 #endif
   texel_dx = ray_dx.xyz * texel_unit;
   texel_dy = ray_dy.xyz * texel_unit;
-  origin_dx = view_origin_dx;
-  origin_dy = view_origin_dy;
-  step0 = view_step0;
-  first_slice = view_first_slice;
-  first_depth = view_first_depth;
-  depth_step = view_depth_step;
-#if !(PERSPECTIVE && GRADIENTS)
-  step_dx = view_step_dx;
-  step_dy = view_step_dy;
-  pixel_ray = view_pixel_ray;
-#endif
 #if GOES_AHEAD
   visible = visible_texels;
 #endif
@@ -127,13 +135,21 @@ void main() {
   entry_offset = entries.y;
   least = entries.z;
   greatest = entries.w;
-  stop_opacity = opacity_threshold;
+}
+)";
+
+const char* const kVertexText = R"(
+void main() {
+  int at = gl_InstanceID * 13;
+  readView();
+  readBox(at);
+  vec4 corner = texelFetch(boxes, at + gl_VertexID);
   gl_Position = vec4(corner.xy, 0.0, corner.z);
 }
 )";
 
-// The slices of this pixel's ray inside the box: [from, to).
-const char* const kIntervalText = R"(
+// What the rays of all boxes have in common.
+const char* const kRayText = R"(
 layout(location = 0) out vec4 result;
 #if CLIP_PLANES > 0
 uniform vec4 clip_planes[CLIP_PLANES];
@@ -155,6 +171,18 @@ vec3 sliceAt(vec3 t, vec3 step) {
   return mix(floor(t) + 1.0, ceil(t), greaterThan(step, vec3(0.0)));
 }
 
+float rayLengthAt(vec2 pixel) {
+#if PERSPECTIVE
+  return length(vec3(pixel.x * pixel_ray.x + pixel_ray.y, pixel.y * pixel_ray.z + pixel_ray.w,
+                     1.0));
+#else
+  return 1.0;
+#endif
+}
+)";
+
+// The slices of this pixel's ray inside the box: [from, to).
+const char* const kIntervalText = R"(
 ivec2 slices(vec3 origin, vec3 step) {
   vec3 safe = mix(step, vec3(1e-12), lessThan(abs(step), vec3(1e-12)));
   vec3 at_lo = sliceAt((box_lo - origin) / safe - 0.5, safe);

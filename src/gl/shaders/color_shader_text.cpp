@@ -2,9 +2,7 @@
 
 namespace sluice {
 
-const char* const kColorText = R"(
-uniform sampler3D chunk;
-uniform sampler2D look_up;
+const char* const kOutputsText = R"(
 // Texels below are, or are interpolated with, one that stands for NaN.
 #define IS_NO_NUMBER(v) lessThan(v, vec3(-2e30))
 #if WITH_DEPTH
@@ -33,8 +31,11 @@ vec4 cued(vec4 color, float slice) {
 #endif
   return color;
 }
-vec3 textureOrder(vec3 v) { return turn == 2 ? v : turn == 0 ? v.yzx : v.zxy; }
+)";
 
+const char* const kColorText = R"(
+uniform sampler3D chunk;
+uniform sampler2D look_up;
 #if LABELS
 #define LABEL_ROW 4096
 uniform int label_entries;

@@ -46,9 +46,10 @@ GlProgram::~GlProgram() {
 }
 
 GLint GlProgram::locate(const char* name) {
-  const auto found = locations_.find(name);
+  const std::string whole = name + suffix_;
+  const auto found = locations_.find(whole);
   if (found != locations_.end()) return found->second;
-  return locations_.emplace(name, gl_.GetUniformLocation(program_, name)).first->second;
+  return locations_.emplace(whole, gl_.GetUniformLocation(program_, whole.c_str())).first->second;
 }
 
 void GlProgram::set(const char* name, int value) {

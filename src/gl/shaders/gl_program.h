@@ -19,6 +19,9 @@ class GlProgram {
   GlProgram& operator=(const GlProgram&) = delete;
 
   void use() const { gl_.UseProgram(program_); }
+  // Whose uniforms set() means from now on: a channel's (BlendedVariant), or those of all.
+  void ofChannel(size_t channel) { suffix_ = "_" + std::to_string(channel); }
+  void ofAll() { suffix_.clear(); }
   // Uniforms that the compiler dropped are ignored. Requires: the program is in use.
   void set(const char* name, int value);
   void set(const char* name, double value);
@@ -34,6 +37,7 @@ class GlProgram {
 
   const GlFunctions& gl_;
   GLuint program_ = 0;
+  std::string suffix_;
   std::unordered_map<std::string, GLint> locations_;
 };
 

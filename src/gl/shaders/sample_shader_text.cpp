@@ -27,11 +27,7 @@ void main() {
   vec3 along = textureOrder(step * TEXEL_SCALE) * texel_size;
   vec3 first = texel0 + pixel.x * texel_dx + pixel.y * texel_dy + jitter * along;
 #endif
-#if PERSPECTIVE
-  float ray_length = length(vec3(pixel.x * pixel_ray.x + pixel_ray.y, pixel.y * pixel_ray.z + pixel_ray.w, 1.0));
-#else
-  const float ray_length = 1.0;
-#endif
+  float ray_length = rayLengthAt(pixel);
 #if GRADIENT_ROWS > 0
   float voxel_lengths = slice_length * ray_length;
 #endif

@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <utility>
+#include <vector>
 
+#include "src/gl/box_buffer.h"
 #include "src/gl/shaders/shader_text.h"
 
 namespace sluice {
@@ -11,50 +13,148 @@ namespace {
 
 constexpr const char* kVersion = "#version 330 core\n";
 
+using Definitions = std::vector<std::pair<const char*, int>>;
+Definitions numbersOf(const ShaderVariant& v) {
+  return {{"COMBINING", static_cast<int>(v.combining)},
+          {"PERSPECTIVE", v.perspective},
+          {"LIT", v.lit},
+          {"WITH_DEPTH", v.with_depth},
+          {"STOPS_EARLY", v.stops_early},
+          {"CLIP_PLANES", v.clip_planes},
+          {"FLOATS", v.floats},
+          {"COUNTS_TAKEN", v.counts_taken},
+          {"GRADIENTS", v.lit || v.gradient_rows > 0},
+          {"GRADIENT_ROWS", v.gradient_rows},
+          {"FACTOR_TABLE", v.factor_table},
+          {"CORRECTS", v.corrects},
+          {"SHININESS", v.shininess},
+          {"GOES_AHEAD", v.goes_ahead},
+          {"LABELS", v.labels},
+          {"PLANES", v.planes},
+          {"CODES_DEPTH", v.codes_depth},
+          {"SCALED", v.scaled},
+          {"SPREAD", v.spread},
+          {"SHARES", v.shares},
+          {"INTEGRATES", v.integrates},
+          {"SURFACES", v.surfaces},
+          {"HAS_OPACITIES", v.has_opacities},
+          {"LIGHT_VOLUME", v.light_volume},
+          {"CUES_DEPTH", v.cues_depth},
+          {"JITTERS", v.jitters},
+          {"OBLIQUE", v.oblique}};
+}
 std::string definitions(const ShaderVariant& v) {
-  const std::pair<const char*, int> numbers[] = {{"COMBINING", static_cast<int>(v.combining)},
-                                                 {"PERSPECTIVE", v.perspective},
-                                                 {"LIT", v.lit},
-                                                 {"WITH_DEPTH", v.with_depth},
-                                                 {"STOPS_EARLY", v.stops_early},
-                                                 {"CLIP_PLANES", v.clip_planes},
-                                                 {"FLOATS", v.floats},
-                                                 {"COUNTS_TAKEN", v.counts_taken},
-                                                 {"GRADIENTS", v.lit || v.gradient_rows > 0},
-                                                 {"GRADIENT_ROWS", v.gradient_rows},
-                                                 {"FACTOR_TABLE", v.factor_table},
-                                                 {"CORRECTS", v.corrects},
-                                                 {"SHININESS", v.shininess},
-                                                 {"GOES_AHEAD", v.goes_ahead},
-                                                 {"LABELS", v.labels},
-                                                 {"PLANES", v.planes},
-                                                 {"CODES_DEPTH", v.codes_depth},
-                                                 {"SCALED", v.scaled},
-                                                 {"SPREAD", v.spread},
-                                                 {"SHARES", v.shares},
-                                                 {"INTEGRATES", v.integrates},
-                                                 {"SURFACES", v.surfaces},
-                                                 {"HAS_OPACITIES", v.has_opacities},
-                                                 {"LIGHT_VOLUME", v.light_volume},
-                                                 {"CUES_DEPTH", v.cues_depth},
-                                                 {"JITTERS", v.jitters},
-                                                 {"OBLIQUE", v.oblique}};
   std::string lines;
-  for (const auto& [name, value] : numbers) lines += fmt::format("#define {} {}\n", name, value);
+  for (const auto& [name, value] : numbersOf(v))
+    lines += fmt::format("#define {} {}\n", name, value);
   return lines;
+}
+
+std::string undefined() {
+  std::string lines;
+  for (const auto& [name, value] : numbersOf({})) lines += fmt::format("#undef {}\n", name);
+  return lines;
+}
+
+// The names that a shader of several channels has once for each of them.
+constexpr const char* kOfChannels[] = {"addSample",
+                                       "along",
+                                       "axis_cosines",
+                                       "box_hi",
+                                       "box_lo",
+                                       "chunk",
+                                       "chunk_texel_size",
+                                       "corrected",
+                                       "differenceAt",
+                                       "enterBox",
+                                       "entries",
+                                       "entry_offset",
+                                       "entry_scale",
+                                       "factorOf",
+                                       "factors",
+                                       "first",
+                                       "first_k",
+                                       "first_rows",
+                                       "gradient_rows",
+                                       "greatest",
+                                       "halfway0",
+                                       "halfway1",
+                                       "index_halfway",
+                                       "index_slope",
+                                       "index_toward",
+                                       "labelAt",
+                                       "labelColor",
+                                       "label_entries",
+                                       "least",
+                                       "look_up",
+                                       "ramp",
+                                       "range",
+                                       "readBox",
+                                       "reflection",
+                                       "shade",
+                                       "shine",
+                                       "shininess",
+                                       "slice_length",
+                                       "slices",
+                                       "slope",
+                                       "squareOf",
+                                       "texel0",
+                                       "texel_dx",
+                                       "texel_dy",
+                                       "texel_size",
+                                       "textureOrder",
+                                       "toward0",
+                                       "toward1",
+                                       "turn",
+                                       "view_reflection",
+                                       "visible",
+                                       "visible_texels"};
+
+// The text of one channel: the same as that of a single one, with names of its own.
+std::string channelText(const ShaderVariant& variant, size_t channel) {
+  std::string text = undefined(), after;
+  text += definitions(variant) + "#undef TEXEL_SCALE\n#undef LABEL_ROW\n";
+  for (const char* name : kOfChannels) {
+    text += fmt::format("#define {0} {0}_{1}\n", name, channel);
+    after += fmt::format("#undef {}\n", name);
+  }
+  return text + kBoxInputsText + kReadBoxText + kIntervalText + kColorText + kChannelText + after;
 }
 
 }  // namespace
 
 std::string vertexShader(const ShaderVariant& variant) {
-  return kVersion + definitions(variant) + "#define FLAT flat out\n" + kInputsText + kVertexText;
+  return kVersion + definitions(variant) + "#define FLAT flat out\n" + kViewInputsText +
+         kBoxInputsText + kReadViewText + kReadBoxText + kVertexText;
 }
 
 std::string fragmentShader(const ShaderVariant& variant) {
-  return kVersion + definitions(variant) + "#define FLAT flat in\n" + kInputsText + kIntervalText +
-         kPlanesText +
+  return kVersion + definitions(variant) + "#define FLAT flat in\n" + kViewInputsText +
+         kBoxInputsText + kRayText + kIntervalText + kPlanesText +
          (variant.counts ? std::string(kCountText)
-                         : kColorText + std::string(kSurfaceText) + kSampleText);
+                         : kOutputsText + std::string(kColorText) + kSurfaceText + kSampleText);
+}
+
+std::string blendedVertexShader(const BlendedVariant& variant) {
+  return kVersion + definitions(variant.view) +
+         fmt::format("#define CHANNELS {}\n#define FLAT flat out\n", variant.channels.size()) +
+         kViewInputsText + kReadViewText + kBlendedVertexText;
+}
+
+std::string blendedFragmentShader(const BlendedVariant& variant) {
+  std::string text = kVersion + definitions(variant.view) + "#define FLAT flat in\n" +
+                     kViewInputsText + kRayText + kOutputsText + "#undef FLAT\n#define FLAT\n";
+  std::string enter, add;
+  for (size_t c = 0; c < variant.channels.size(); ++c) {
+    text += channelText(variant.channels[c], c);
+    enter += fmt::format(
+        "enterBox_{0}(block_at + {1}, pixel, origin, ray_step, jitter); "
+        "all_slices = united(all_slices, range_{0}); ",
+        c, kTexelsPerBox * (c + 1));
+    add += fmt::format("addSample_{}(k, ray_length, total, clear); ", c);
+  }
+  return text + undefined() + definitions(variant.view) +
+         fmt::format("#define ENTER_BOXES {}\n#define ADD_SAMPLES {}\n", enter, add) + kBlendedText;
 }
 
 }  // namespace sluice

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "src/device/frame_values.h"
 
@@ -43,5 +44,16 @@ struct ShaderVariant {
 // Boxes come as kTexelsPerBox RGBA32F texels each of a buffer texture; see box_buffer.h.
 std::string vertexShader(const ShaderVariant& variant);
 std::string fragmentShader(const ShaderVariant& variant);
+
+// Of a frame that blends channels (FrameSetup::others): what they share, and what each has. Names
+// of uniforms that each channel has end in "_0", "_1", ... Boxes come in groups, see
+// BlendedDrawing.
+struct BlendedVariant {
+  ShaderVariant view;
+  std::vector<ShaderVariant> channels;
+  friend auto operator<=>(const BlendedVariant&, const BlendedVariant&) = default;
+};
+std::string blendedVertexShader(const BlendedVariant& variant);
+std::string blendedFragmentShader(const BlendedVariant& variant);
 
 }  // namespace sluice

@@ -98,20 +98,7 @@ void setSurfaces(const FrameSetup& setup, GlProgram& program) {
   setVisible(setup, program);
 }
 
-}  // namespace
-
-double valueScale(DeviceType type) {
-  switch (type) {
-    case DeviceType::kU8:
-      return 255;
-    case DeviceType::kU16:
-      return 65535;
-    case DeviceType::kF32:
-      break;
-  }
-  return 1;
-}
-
+// Sets the members that depend on how the frame is lit and on factors.
 void chooseShading(const FrameSetup& setup, ShaderVariant& variant) {
   if (setup.has_surfaces) {
     variant.surfaces = static_cast<int>(setup.look_up->surfaces.size());
@@ -131,6 +118,52 @@ void chooseShading(const FrameSetup& setup, ShaderVariant& variant) {
   constexpr double kRounding = 1e-6;
   variant.oblique =
       std::max({std::abs(cosines.x), std::abs(cosines.y), std::abs(cosines.z)}) > kRounding;
+}
+
+}  // namespace
+
+double valueScale(DeviceType type) {
+  switch (type) {
+    case DeviceType::kU8:
+      return 255;
+    case DeviceType::kU16:
+      return 65535;
+    case DeviceType::kF32:
+      break;
+  }
+  return 1;
+}
+
+ShaderVariant frameVariant(const FrameSetup& setup) {
+  const ModeTraits& traits = traitsOf(setup.mode);
+  const bool colors = traits.has_colors;
+  ShaderVariant variant{.combining = traits.combining,
+                        .perspective = (colors || traits.combining == Combining::kAttenuated) &&
+                                       setup.projection == Projection::kPerspective,
+                        .with_depth = colors && setup.with_depth,
+                        .stops_early = traits.hides && setup.opacity_threshold < 1,
+                        .floats = setup.type == DeviceType::kF32,
+                        .counts_taken = colors && setup.counts_taken && !setup.with_depth,
+                        .counts = false,
+                        .clip_planes = static_cast<int>(setup.clip_planes.size()),
+                        .labels = colors && setup.look_up->labels,
+                        .planes = traits.on_planes,
+                        .codes_depth = traits.codes_depth,
+                        .integrates = setup.integrates,
+                        .cues_depth = setup.depth_cueing > 0,
+                        .jitters = setup.jitter > 0};
+  if (colors) chooseShading(setup, variant);
+  return variant;
+}
+
+ShaderVariant viewVariant(const ShaderVariant& variant) {
+  return {.perspective = variant.perspective,
+          .with_depth = variant.with_depth,
+          .stops_early = variant.stops_early,
+          .counts_taken = variant.counts_taken,
+          .clip_planes = variant.clip_planes,
+          .cues_depth = variant.cues_depth,
+          .jitters = variant.jitters};
 }
 
 void setShading(const FrameSetup& setup, const ShaderVariant& variant, GlProgram& program) {

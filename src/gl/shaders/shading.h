@@ -15,9 +15,10 @@ namespace sluice {
 // The factor from a voxel as the shader reads it to its device value.
 double valueScale(DeviceType type);
 
-// Sets the members that depend on how the frame is lit and on factors, in a variant whose other
-// members are set. Requires: composite.
-void chooseShading(const FrameSetup& setup, ShaderVariant& variant);
+// The variant that draws the frame's boxes of chunks without spreads, whose texels are voxels.
+ShaderVariant frameVariant(const FrameSetup& setup);
+// The members of it that channels of one frame share.
+ShaderVariant viewVariant(const ShaderVariant& variant);
 
 // Sets the uniforms of such a variant. Requires: the program is in use.
 void setShading(const FrameSetup& setup, const ShaderVariant& variant, GlProgram& program);

@@ -26,14 +26,6 @@ uint64_t composedBytes(uint64_t part_bytes, PictureSize size, uint64_t memory_by
   return bytes;
 }
 
-// Only the CPU device blends channels.
-DeviceArguments deviceFor(DeviceArguments device, const LookArguments& look, bool has_layers) {
-  const bool is_free = device.device == DeviceChoice::kAuto && device.gl == GlChoice::kAuto &&
-                       device.lent == nullptr;
-  if (look.combine == Combine::kBlend && has_layers && is_free) device.device = DeviceChoice::kCpu;
-  return device;
-}
-
 // The part of a machine for each of so many layers.
 MachineOptions shareOf(MachineOptions machine, size_t layers) {
   if (layers > 1) machine.memory_bytes = memoryBudget(machine) / layers;
@@ -58,7 +50,7 @@ Scene::Scene(SceneInputs inputs, const LookArguments& asked_look, const FrameOpt
       may_be_lit(inputs.may_be_lit),
       memory_bytes(memoryBudget(inputs.machine)),
       asked(asked_look),
-      device(makeDevice(deviceFor(machine.device, asked, !inputs.more.empty()), pool)) {
+      device(makeDevice(machine.device, pool)) {
   for (auto& further : inputs.more)
     more.push_back(std::make_unique<Layer>(std::move(further), machine));
   std::vector<const ShownChannel*> shown;

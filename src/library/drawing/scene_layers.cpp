@@ -96,8 +96,6 @@ void Scene::requireBlendable(const LookArguments& asked_look, const FrameOptions
   std::vector<const IndexedVolume*> volumes;
   for (const Layer* layer : layers()) volumes.push_back(&layer->volume);
   sluice::requireBlendable(asked_look, options, volumes);
-  if (asked_look.combine == Combine::kBlend && !more.empty() && !device->blendsChannels())
-    failRequest("--combine blend is drawn by the CPU device; give --device cpu");
 }
 
 Frame Scene::drawBlended(std::vector<LayerFrame>& parts) {

@@ -1,0 +1,126 @@
+#include "src/gl/shaders/shader_text.h"
+
+namespace sluice {
+
+// A block is a hull of its channels' boxes and a box for each channel; one that the block lacks is
+// empty. The vertices outline the hull.
+const char* const kBlendedVertexText = R"(
+flat out int block_at;
+void main() {
+  block_at = gl_InstanceID * 13 * (CHANNELS + 1);
+  readView();
+  vec4 corner = texelFetch(boxes, block_at + gl_VertexID);
+  gl_Position = vec4(corner.xy, 0.0, corner.z);
+}
+)";
+
+// Once for each channel, see blendedFragmentShader(): its way through its box, and its samples.
+const char* const kChannelText = R"(
+ivec2 range;
+vec3 first, along;
+void enterBox(int at, vec2 pixel, vec3 origin, vec3 step, float jitter) {
+  readBox(at);
+  range = slices(origin, step);
+  along = textureOrder(step) * texel_size;
+  first = texel0 + pixel.x * texel_dx + pixel.y * texel_dy + jitter * along;
+}
+
+// Adds the channel's colour at slice k, premultiplied.
+void addSample(int k, float ray_length, inout vec4 total, inout float clear) {
+  if (k < range.x || k >= range.y) return;
+#if COUNTS_TAKEN
+  taken.r += 1.0;
+#endif
+  vec3 at = first + float(k - first_k) * along;
+#if LABELS
+  float value = labelAt(at).r;
+#else
+  float value = textureLod(chunk, at, 0.0).r;
+#endif
+#if FLOATS
+  if (IS_NO_NUMBER(vec3(value)).x) return;
+#endif
+#if GOES_AHEAD
+  if (value < visible.x || value > visible.y) return;
+#endif
+  float entry = value * entry_scale + entry_offset;
+#if FLOATS
+  entry = clamp(entry, 0.0, 1.0);  // drivers may wrap where a coordinate is beyond integers
+#endif
+#if LABELS
+  vec4 color = labelColor(entry);
+#else
+  vec4 color = textureLod(look_up, vec2(entry, 0.5), 0.0);
+#endif
+#if GRADIENTS
+  vec3 difference = differenceAt(at);
+  float unit = 1.0;
+#if FLOATS
+  // In units of the steepest axis, since squares of the values themselves may overflow.
+  unit = max(max(abs(difference.x), max(abs(difference.y), abs(difference.z))), 1e-37);
+  difference /= unit;
+#endif
+  float squared = squareOf(difference);
+#endif
+#if GRADIENT_ROWS > 0
+  color.a = corrected(color.a * factorOf(unit * sqrt(squared), entry), slice_length * ray_length);
+  color.rgb *= color.a;
+#elif PERSPECTIVE
+  color.a = 1.0 - exp2(color.a * ray_length);
+  color.rgb *= color.a;
+#endif
+#if LIT
+  float flatness = reflection.w / unit;
+  color = shade(color, difference, squared, flatness * flatness, vec3(0.0));
+#endif
+  total += color;
+  clear *= 1.0 - color.a;
+}
+)";
+
+// ENTER_BOXES and ADD_SAMPLES call enterBox() and addSample() of each channel.
+const char* const kBlendedText = R"(
+flat in int block_at;
+// [from, to) of both.
+ivec2 united(ivec2 a, ivec2 b) {
+  return a.x >= a.y ? b : b.x >= b.y ? a : ivec2(min(a.x, b.x), max(a.y, b.y));
+}
+void main() {
+  vec2 pixel = gl_FragCoord.xy + vec2(0.0, first_row);
+  vec3 ray_step = step0 + pixel.x * step_dx + pixel.y * step_dy;
+  float jitter = jitterAt(pixel);
+  vec3 origin = pixel.x * origin_dx + pixel.y * origin_dy + jitter * ray_step;
+  float ray_length = rayLengthAt(pixel);
+  ivec2 all_slices = ivec2(0);
+  ENTER_BOXES
+  if (all_slices.x >= all_slices.y) discard;
+  vec4 sum = vec4(0.0);
+#if WITH_DEPTH
+  float weighted_depth = 0.0;
+#endif
+#if COUNTS_TAKEN
+  taken = vec4(0.0);
+#endif
+  for (int k = all_slices.x; k < all_slices.y; ++k) {
+    vec4 total = vec4(0.0);
+    float clear = 1.0;
+    ADD_SAMPLES
+    // Opacities multiply as those of media that fill the same space do, and the colours are the
+    // mean by opacity.
+    vec4 color = vec4(total.rgb * ((1.0 - clear) / max(total.a, 1e-20)), 1.0 - clear);
+#if WITH_DEPTH
+    weighted_depth += (1.0 - sum.a) * color.a * (first_depth + (float(k) + jitter + 0.5) * depth_step);
+#endif
+    sum += (1.0 - sum.a) * cued(color, float(k) + jitter);
+#if STOPS_EARLY
+    if (sum.a >= stop_opacity) break;
+#endif
+  }
+  result = sum;
+#if WITH_DEPTH
+  depth_sum = vec4(weighted_depth, 0.0, 0.0, sum.a);
+#endif
+}
+)";
+
+}  // namespace sluice
