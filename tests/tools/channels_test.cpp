@@ -205,6 +205,19 @@ TEST_F(Channels, blendingIsRefusedInOneLineWhereItIsNotKnown) {
   }
 }
 
+TEST_F(Channels, benchComparesThemWithEachAlone) {
+  const auto report = program_.json(
+      "bench channels cells.ome.zarr --channel 0,1,2 --frames 2 --size 60x40");
+  ASSERT_EQ(report["rows"].size(), 5U);
+  double of_three = 0;
+  for (size_t i = 0; i < 3; ++i) of_three += report["rows"][i]["ratio"].get<double>();
+  EXPECT_NEAR(of_three, 3, 1e-9);
+  EXPECT_EQ(report["rows"][3]["way"], "add");
+  EXPECT_EQ(report["rows"][4]["way"], "blend");
+  EXPECT_THAT(program_.run("bench channels cells.ome.zarr --channel 1").output,
+              HasSubstr("measures several channels of one volume"));
+}
+
 TEST_F(Channels, pictureIsTheSameForAllBlocksAndBudgets) {
   for (const char* options : {"", "--block 16 --page 16x16x16", "--memory 80M", "--mode mip",
                               "--channel 0,2 --partition boxes"}) {

@@ -81,6 +81,7 @@ Bench addOcclusionBench(CLI::App& app);   // Li's Table 2 and Figure 6
 Bench addCullingBench(CLI::App& app);     // Gao's figures and Table 1
 Bench addLevelsBench(CLI::App& app);      // coarser levels of resolution
 Bench addQualityBench(CLI::App& app);     // ways to sample rays
+Bench addChannelsBench(CLI::App& app);    // several channels beside each alone
 Bench addCutBench(CLI::App& app);         // plans of huge volumes
 Bench addRanksBench(CLI::App& app);       // a picture shared among ranks
 Bench addThresholdBench(CLI::App& app);   // from a changed transfer function to the picture
@@ -88,8 +89,9 @@ Bench addPackingBench(CLI::App& app);     // codecs of blocks in memory
 Bench addWindowBench(CLI::App& app);      // a drag in a window
 
 inline constexpr Bench (*kBenches[])(CLI::App&) = {
-    addLimitBench,    addRenderBench,    addSimulatorBench, addSlicingBench, addAlgorithmsBench,
-    addSkippingBench, addOcclusionBench, addCullingBench,   addLevelsBench,  addQualityBench,
-    addCutBench,      addRanksBench,     addThresholdBench, addPackingBench, addWindowBench};
+    addLimitBench,      addRenderBench,    addSimulatorBench, addSlicingBench,
+    addAlgorithmsBench, addSkippingBench,  addOcclusionBench, addCullingBench,
+    addLevelsBench,     addQualityBench,   addChannelsBench,  addCutBench,
+    addRanksBench,      addThresholdBench, addPackingBench,   addWindowBench};
 
 }  // namespace sluice
