@@ -206,8 +206,8 @@ TEST_F(Channels, blendingIsRefusedInOneLineWhereItIsNotKnown) {
 }
 
 TEST_F(Channels, benchComparesThemWithEachAlone) {
-  const auto report = program_.json(
-      "bench channels cells.ome.zarr --channel 0,1,2 --frames 2 --size 60x40");
+  const auto report =
+      program_.json("bench channels cells.ome.zarr --channel 0,1,2 --frames 2 --size 60x40");
   ASSERT_EQ(report["rows"].size(), 5U);
   double of_three = 0;
   for (size_t i = 0; i < 3; ++i) of_three += report["rows"][i]["ratio"].get<double>();
