@@ -43,6 +43,7 @@ class RecordingStore final : public ChunkStore {
 
   std::string wholeKey(const std::string& key) const override { return store_->wholeKey(key); }
   std::string nameOf(const std::string& key) const override { return store_->nameOf(key); }
+  void expect(const std::vector<std::string>& keys) override { store_->expect(keys); }
   bool has(const std::string& key) override { return noted(key, store_->has(key)); }
   bool read(const std::string& key, const PieceBytes& wanted, const Room& room) override {
     return noted(key, store_->read(key, wanted, room));

@@ -12,6 +12,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 namespace sluice {
 
@@ -41,6 +42,10 @@ class ChunkStore {
   // Whether there is such a piece or folder. A store that cannot tell a folder from nothing says
   // no. Throws Error: it cannot be found out.
   virtual bool has(const std::string& key) = 0;
+
+  // Says that has() will be asked for these pieces. A store whose answers take their time asks for
+  // all of them at once. Never fails.
+  virtual void expect(const std::vector<std::string>& /*keys*/) {}
 
   // Memory for the wanted bytes, as long as they are; or throws.
   using Room = std::function<std::span<std::byte>(const PieceInfo& piece)>;

@@ -127,7 +127,7 @@ void HttpFetch::refuse(const HttpHead& head) const {
   fail("{}: expected an object, found status {} of the server", name_, head.status);
 }
 
-HttpFetch::Outcome HttpFetch::run(const StopToken& stop) {
+HttpFetch::Outcome HttpFetch::run(const StopToken& stop, bool tries_again) {
   Clock::time_point since = Clock::now();
   for (int tries = 1;; ++tries) {
     const uint64_t before = got_;
@@ -151,7 +151,7 @@ HttpFetch::Outcome HttpFetch::run(const StopToken& stop) {
     }
     const double spent = Seconds(Clock::now() - since).count();
     const bool may_pass = end.fault.empty() || end.may_pass;
-    if (!may_pass || tries >= kMostTries || spent > kMostSeconds) {
+    if (!may_pass || !tries_again || tries >= kMostTries || spent > kMostSeconds) {
       const std::string why = !is_answer && head_.status != 0
                                   ? fmt::format("status {} of the server", head_.status)
                               : end.fault.empty() ? "an answer that is too short"

@@ -29,8 +29,9 @@ class HttpFetch {
 
   enum class Outcome { kMissing, kRead, kUnchanged };
   // kMissing: there is no object; kUnchanged: it has the cached stamp still, and `room` was not
-  // called. Throws Error: after some tries within half a minute without a byte; Interrupted.
-  Outcome run(const StopToken& stop);
+  // called. Throws Error: after some tries within half a minute without a byte, or the first if it
+  // does not try again; Interrupted.
+  Outcome run(const StopToken& stop, bool tries_again = true);
   // After kRead: of the object, as the server tells; may be empty.
   const std::string& stamp() const { return stamp_; }
   uint64_t wholeBytes() const { return whole_; }

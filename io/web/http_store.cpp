@@ -1,6 +1,7 @@
 #include "io/web/http_store.h"
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cstring>
 #include <exception>
@@ -16,6 +17,7 @@ namespace {
 constexpr uint64_t kMostKeptBytes = 16 << 20;
 // A change of objects beyond these is found by their own checksums alone.
 constexpr size_t kMostStamps = 1 << 16;
+constexpr std::chrono::seconds kMostExpecting{3};
 
 // The name of a piece in the cache. It says neither who asked nor with what query.
 std::string cacheName(const std::string& object, const PieceBytes& wanted) {
@@ -56,15 +58,52 @@ bool HttpStore::has(const std::string& key) {
     const MutexLock lock(mutex_);
     if (const auto found = kept_.find(key); found != kept_.end()) return found->second.is_there;
   }
+  return ask(key, {true, stop_});
+}
+
+// Each is asked for once, and for a few seconds at most: has() asks again for what did not come,
+// and says what is wrong.
+void HttpStore::expect(const std::vector<std::string>& keys) {
+  std::vector<std::string> left;
+  {
+    const MutexLock lock(mutex_);
+    for (const std::string& key : keys)
+      if (!kept_.contains(key)) left.push_back(key);
+  }
+  if (left.size() < 2) return;
+  StopSource enough;
+  std::atomic<size_t> next = 0, done = 0;
+  const auto work = [&] {
+    for (size_t i = next++; i < left.size(); i = next++) {
+      try {
+        if (!enough.token().isStopRequested()) ask(left[i], {false, enough.token()});
+      } catch (const std::exception&) {
+      }
+      ++done;
+    }
+  };
+  std::vector<std::jthread> threads;
+  const size_t most = std::min(left.size(), static_cast<size_t>(distantReads()));
+  while (threads.size() < most) threads.emplace_back(work);
+  const auto end = std::chrono::steady_clock::now() + kMostExpecting;
+  while (done < left.size() && !stop_.isStopRequested() && std::chrono::steady_clock::now() < end)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  if (done < left.size()) enough.requestStop();
+}
+
+bool HttpStore::ask(const std::string& key, const Patience& patience) {
   Kept kept;
   try {
-    kept.is_there = fetch(key, {}, [&](const PieceInfo& piece) {
-      if (piece.bytes > kMostKeptBytes)
-        fail("{}: expected metadata of at most {} bytes, found {}", nameOf(key), kMostKeptBytes,
-             piece.bytes);
-      kept.bytes.resize(piece.bytes);
-      return std::span(kept.bytes);
-    });
+    kept.is_there = fetch(
+        key, {},
+        [&](const PieceInfo& piece) {
+          if (piece.bytes > kMostKeptBytes)
+            fail("{}: expected metadata of at most {} bytes, found {}", nameOf(key), kMostKeptBytes,
+                 piece.bytes);
+          kept.bytes.resize(piece.bytes);
+          return std::span(kept.bytes);
+        },
+        patience);
   } catch (const HttpForbidden&) {
   }
   const MutexLock lock(mutex_);
@@ -82,7 +121,7 @@ bool HttpStore::read(const std::string& key, const PieceBytes& wanted, const Roo
       return true;
     }
   }
-  return fetch(key, wanted, room);
+  return fetch(key, wanted, room, {true, stop_});
 }
 
 std::optional<std::string> HttpStore::stampKnown(const std::string& key) {
@@ -96,7 +135,8 @@ void HttpStore::learnStamp(const std::string& key, const std::string& stamp) {
   if (stamps_.size() < kMostStamps) stamps_.emplace(key, stamp);
 }
 
-bool HttpStore::fetch(const std::string& key, const PieceBytes& wanted, const Room& room) {
+bool HttpStore::fetch(const std::string& key, const PieceBytes& wanted, const Room& room,
+                      const Patience& patience) {
   const std::optional<std::string> known = stampKnown(key);
   const std::string name = nameOf(key), url = urlOf(key);
   const std::string cache_name = cacheName(name, wanted);
@@ -111,8 +151,9 @@ bool HttpStore::fetch(const std::string& key, const PieceBytes& wanted, const Ro
   const bool is_checked = cached && known == cached_stamp;
   for (;;) {
     HttpFetch fetch(client_, name, url, wanted, once, known, cached_stamp);
-    const HttpFetch::Outcome outcome =
-        is_checked && !given ? HttpFetch::Outcome::kUnchanged : fetch.run(stop_);
+    const HttpFetch::Outcome outcome = is_checked && !given
+                                           ? HttpFetch::Outcome::kUnchanged
+                                           : fetch.run(patience.stop, patience.tries_again);
     if (outcome == HttpFetch::Outcome::kMissing) return false;
     if (outcome == HttpFetch::Outcome::kRead) {
       learnStamp(key, fetch.stamp());

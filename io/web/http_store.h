@@ -29,6 +29,7 @@ class HttpStore final : public ChunkStore {
   // An object that the server forbids is not there for has(): buckets answer so for any that is
   // not.
   bool has(const std::string& key) override;
+  void expect(const std::vector<std::string>& keys) override;
   bool read(const std::string& key, const PieceBytes& wanted, const Room& room) override;
   std::optional<uint64_t> keptCopy(const std::string& key, const PieceBytes& wanted,
                                    std::span<std::byte> out) override;
@@ -43,7 +44,15 @@ class HttpStore final : public ChunkStore {
     bool is_there = false;
     std::vector<std::byte> bytes;
   };
-  bool fetch(const std::string& key, const PieceBytes& wanted, const Room& room);
+  // How often to ask a server that drops or refuses what may come later.
+  struct Patience {
+    bool tries_again = true;
+    StopToken stop;
+  };
+  // has() of an object that is not kept yet. Throws Error, Interrupted.
+  bool ask(const std::string& key, const Patience& patience);
+  bool fetch(const std::string& key, const PieceBytes& wanted, const Room& room,
+             const Patience& patience);
   std::optional<std::string> stampKnown(const std::string& key);
   void learnStamp(const std::string& key, const std::string& stamp);
   std::string urlOf(const std::string& key) const;

@@ -21,6 +21,10 @@ std::optional<ZarrHeader> findAttributes(const StorePlace& folder) {
   return std::nullopt;
 }
 
+const char* headerName(bool is_version3) {
+  return is_version3 ? kVersion3 : ".zarray";
+}
+
 bool isVersion3(const ZarrHeader& header) {
   return header.path.ends_with(kVersion3);
 }
@@ -97,11 +101,19 @@ bool isZarr(const StorePlace& folder) {
   return folder.has(kVersion3) || folder.has(".zarray") || folder.has(".zgroup");
 }
 
-ZarrHeader readArrayHeader(const StorePlace& array_folder) {
-  for (const char* name : {".zarray", kVersion3})
+ZarrHeader readArrayHeader(const StorePlace& array_folder, bool is_version3) {
+  for (const char* name : {headerName(is_version3), headerName(!is_version3)})
     if (std::optional<ZarrHeader> header = findHeader(array_folder, name)) return *header;
   fail("{}: expected an array's header, there or in zarr.json; found none",
        array_folder.at(".zarray").name());
+}
+
+void expectArrays(const std::vector<StorePlace>& array_folders, bool is_version3) {
+  if (array_folders.empty()) return;
+  std::vector<std::string> keys;
+  for (const StorePlace& folder : array_folders)
+    keys.push_back(folder.at(headerName(is_version3)).key);
+  array_folders.front().store->expect(keys);
 }
 
 FoundZarr findZarr(const StorePlace& folder) {
@@ -111,6 +123,7 @@ FoundZarr findZarr(const StorePlace& folder) {
     if (isVersion3(*header) && isZarrArray(header->text, header->path)) return findArray(folder);
     found.image = parseZarrImage(header->text, header->path);
     found.said_by = header->path;
+    found.is_version3 = isVersion3(*header);
     found.take(*header);
   }
   if (found.image.levels.empty())

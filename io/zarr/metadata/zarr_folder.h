@@ -26,8 +26,9 @@ struct FoundZarr {
   ZarrImage image;
   std::vector<std::string> identities, header_paths;  // of the metadata files that were read
   uint64_t header_bytes = 0;
-  std::string said_by;    // the file that names the axes, or else the array's own
-  bool is_image = false;  // the folder is an image's, the array its level 0
+  std::string said_by;       // the file that names the axes, or else the array's own
+  bool is_image = false;     // the folder is an image's, the array its level 0
+  bool is_version3 = false;  // the image's metadata are
 
   void take(const ZarrHeader& header);
 };
@@ -45,7 +46,10 @@ FoundZarr findZarr(const StorePlace& folder);
 // larger than any.
 std::optional<ZarrHeader> findHeader(const StorePlace& folder, const char* name);
 
-// The .zarray or zarr.json of an array. Throws Error: there is none.
-ZarrHeader readArrayHeader(const StorePlace& array_folder);
+// The file that describes an array: that of the image's version, or else the other one. Throws
+// Error: there is none.
+ZarrHeader readArrayHeader(const StorePlace& array_folder, bool is_version3);
+// Tells the store that readArrayHeader() will be called for these.
+void expectArrays(const std::vector<StorePlace>& array_folders, bool is_version3);
 
 }  // namespace sluice
