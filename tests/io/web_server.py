@@ -151,6 +151,7 @@ class Handler(http.server.BaseHTTPRequestHandler):
             self.close_connection = True
 
 
+http.server.ThreadingHTTPServer.request_queue_size = 64
 server = http.server.ThreadingHTTPServer(('127.0.0.1', 0), Handler)
 server.daemon_threads = True
 server.handle_error = lambda *_: None  # connections that the client gives up

@@ -111,8 +111,12 @@ ZarrHeader readArrayHeader(const StorePlace& array_folder, bool is_version3) {
 void expectArrays(const std::vector<StorePlace>& array_folders, bool is_version3) {
   if (array_folders.empty()) return;
   std::vector<std::string> keys;
-  for (const StorePlace& folder : array_folders)
+  for (const StorePlace& folder : array_folders) {
     keys.push_back(folder.at(headerName(is_version3)).key);
+    // The first, of the finest level, may be large, and a store keeps what it expects.
+    if (&folder != &array_folders.front())
+      keys.push_back(folder.at(std::string(kZarrChecksumsName)).key);
+  }
   array_folders.front().store->expect(keys);
 }
 

@@ -49,7 +49,7 @@ std::optional<ZarrHeader> findHeader(const StorePlace& folder, const char* name)
 // The file that describes an array: that of the image's version, or else the other one. Throws
 // Error: there is none.
 ZarrHeader readArrayHeader(const StorePlace& array_folder, bool is_version3);
-// Tells the store that readArrayHeader() will be called for these.
+// Tells the store that readArrayHeader(), and then readZarrChecksums(), will be called for these.
 void expectArrays(const std::vector<StorePlace>& array_folders, bool is_version3);
 
 }  // namespace sluice

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "src/base/threads/mutex.h"
@@ -19,8 +20,8 @@ namespace {
 constexpr size_t kBins = 256;
 using SpreadBins = std::array<double, kBins>;
 
-// Planes that a thread reads at a time hold about this many voxels.
-constexpr int64_t kVoxelsPerRead = int64_t{1} << 20;
+// Cubes of so many voxels a side are read at a time: about the chunks that most programs write.
+constexpr int64_t kReadSide = 64;
 
 template <class T>
 std::vector<T> deviceVoxels(VolumeSource& source, int64_t time, const Box3& box) {
@@ -76,14 +77,18 @@ int standInLevel(const PyramidLayout& pyramid) {
 ValueRange rangeOfSpreads(const CoarserLevel& level, ValueRange means, int64_t time,
                           WorkerPool& pool, const StopToken& stop) {
   const VolumeLayout& layout = level.source->layout();
-  const int64_t planes = std::max<int64_t>(1, kVoxelsPerRead / (layout.dims.x * layout.dims.y));
-  const int64_t reads = (layout.dims.z + planes - 1) / planes;
+  const auto countAlong = [&](int axis) { return (layout.dims[axis] + kReadSide - 1) / kReadSide; };
+  const Vec3i reads{countAlong(0), countAlong(1), countAlong(2)};
   SpreadBins most{};
   Mutex mutex;  // guards `most`
-  pool.parallelFor(reads, [&](int64_t i) {
+  // Threads that wait for a server cost nothing.
+  std::optional<WorkerPool> waiting;
+  if (const int distant = level.spreads->distantReads(); distant > pool.threads())
+    waiting.emplace(distant);
+  (waiting ? *waiting : pool).parallelFor(volume(reads), [&](int64_t i) {
     stop.throwIfStopped();
-    const Box3 box{{0, 0, i * planes},
-                   {layout.dims.x, layout.dims.y, std::min((i + 1) * planes, layout.dims.z)}};
+    const Vec3i lo = Vec3i{i % reads.x, i / reads.x % reads.y, i / (reads.x * reads.y)} * kReadSide;
+    const Box3 box{lo, min(lo + Vec3i{kReadSide, kReadSide, kReadSide}, layout.dims)};
     const SpreadBins found = visitDeviceType(deviceMap(layout).type, [&](auto tag) {
       return spreadsIn<decltype(tag)>(level, means, time, box);
     });

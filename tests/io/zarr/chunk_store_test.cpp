@@ -15,6 +15,7 @@
 #include "tests/io/python_volumes.h"
 #include "tests/io/zarr/map_store.h"
 #include "tests/io/zarr/zarr_case.h"
+#include "tests/support/temp_folder.h"
 
 namespace sluice {
 namespace {
@@ -60,6 +61,49 @@ TEST_F(ZarrInAStore, isAskedOnceForWhatIsNotThere) {
       const bool is_header = key.starts_with(".z") || key.ends_with("zarr.json");
       EXPECT_TRUE(map->has(key) || is_header || reads == 1) << key << " " << reads;
     }
+  }
+}
+
+// Over a link that takes its time, the levels' headers come together.
+TEST(ZarrImageInAStore, isExpectedToReadTheHeadersOfAllLevels) {
+  for (const bool is_version3 : {false, true}) {
+    SCOPED_TRACE(is_version3);
+    const TempFolder empty;
+    const auto map = std::make_shared<MapStore>(empty.path());
+    const std::string levels = R"("multiscales":[{"version":"0.4","axes":[
+        {"name":"z","type":"space"},{"name":"y","type":"space"},{"name":"x","type":"space"}],
+        "datasets":[{"path":"0"},{"path":"1"},{"path":"2"}]}])";
+    std::vector<std::string> headers;
+    for (int level = 0; level < 3; ++level) {
+      const int side = 64 >> level;
+      headers.push_back(fmt::format("{}/{}", level, is_version3 ? "zarr.json" : ".zarray"));
+      map->pieces[headers.back()] =
+          is_version3 ? fmt::format(R"({{"zarr_format":3,"node_type":"array","shape":[{0},{0},{0}],
+                  "data_type":"uint8","fill_value":0,"chunk_key_encoding":{{"name":"default"}},
+                  "chunk_grid":{{"name":"regular","configuration":{{"chunk_shape":[16,16,16]}}}},
+                  "codecs":[{{"name":"bytes"}}]}})",
+                                    side)
+                      : fmt::format(R"({{"zarr_format":2,"shape":[{0},{0},{0}],"chunks":[16,16,16],
+                  "dtype":"|u1","fill_value":0,"order":"C","compressor":null,"filters":null}})",
+                                    side);
+    }
+    if (is_version3) {
+      map->pieces["zarr.json"] =
+          R"({"zarr_format":3,"node_type":"group","attributes":{"ome":{)" + levels + "}}}";
+    } else {
+      map->pieces[".zgroup"] = R"({"zarr_format":2})";
+      map->pieces[".zattrs"] = "{" + levels + "}";
+    }
+    map->before_read = [&](const std::string& key) {
+      EXPECT_TRUE(std::ranges::find(headers, key) == headers.end() || !map->expected.empty())
+          << key;
+    };
+    const ZarrSource source(StorePlace{map, ""});
+    EXPECT_EQ(source.layout().levels, 3);
+    EXPECT_THAT(map->expected, testing::IsSupersetOf(headers));
+    for (const std::string& header : headers) EXPECT_EQ(map->reads[header], 1);
+    for (const std::string& key : map->expected)
+      EXPECT_TRUE(map->has(key) || key.ends_with(".sluice-checksums")) << key;
   }
 }
 

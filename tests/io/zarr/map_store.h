@@ -28,6 +28,7 @@ class MapStore final : public ChunkStore {
   std::string wholeKey(const std::string& key) const override { return key; }
   std::string nameOf(const std::string& key) const override { return "map:" + key; }
   bool has(const std::string& key) override { return pieces.contains(key); }
+  void expect(const std::vector<std::string>& keys) override { expected = keys; }
   bool read(const std::string& key, const PieceBytes& wanted, const Room& room) override {
     {
       const std::lock_guard lock(mutex_);
@@ -53,7 +54,8 @@ class MapStore final : public ChunkStore {
   void list(const std::string&, const std::function<void(const Entry&)>&) override { std::abort(); }
 
   std::map<std::string, std::string> pieces;
-  std::map<std::string, int> reads;  // how often each was asked for
+  std::vector<std::string> expected;  // as it was told last
+  std::map<std::string, int> reads;   // how often each was asked for
   // What was read of each, in its order: from its start or its end, and how many bytes.
   std::map<std::string, std::vector<std::pair<PieceBytes::From, uint64_t>>> parts;
   bool has_changed = false;
