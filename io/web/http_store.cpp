@@ -1,15 +1,15 @@
 #include "io/web/http_store.h"
 
 #include <algorithm>
-#include <atomic>
 #include <chrono>
 #include <cstring>
 #include <exception>
-#include <thread>
 #include <utility>
 
 #include "io/web/http_fetch.h"
 #include "src/base/error.h"
+#include "src/base/threads/deadline.h"
+#include "src/base/threads/worker_pool.h"
 
 namespace sluice {
 namespace {
@@ -71,24 +71,15 @@ void HttpStore::expect(const std::vector<std::string>& keys) {
       if (!kept_.contains(key)) left.push_back(key);
   }
   if (left.size() < 2) return;
-  StopSource enough;
-  std::atomic<size_t> next = 0, done = 0;
-  const auto work = [&] {
-    for (size_t i = next++; i < left.size(); i = next++) {
-      try {
-        if (!enough.token().isStopRequested()) ask(left[i], {false, enough.token()});
-      } catch (const std::exception&) {
-      }
-      ++done;
+  const Deadline enough(std::chrono::steady_clock::now() + kMostExpecting, stop_);
+  WorkerPool pool(static_cast<int>(std::min<size_t>(left.size(), kMostReads)));
+  pool.parallelFor(static_cast<int64_t>(left.size()), [&](int64_t i) {
+    try {
+      enough.token().throwIfStopped();
+      ask(left[static_cast<size_t>(i)], {false, enough.token()});
+    } catch (const std::exception&) {
     }
-  };
-  std::vector<std::jthread> threads;
-  const size_t most = std::min(left.size(), static_cast<size_t>(distantReads()));
-  while (threads.size() < most) threads.emplace_back(work);
-  const auto end = std::chrono::steady_clock::now() + kMostExpecting;
-  while (done < left.size() && !stop_.isStopRequested() && std::chrono::steady_clock::now() < end)
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  if (done < left.size()) enough.requestStop();
+  });
 }
 
 bool HttpStore::ask(const std::string& key, const Patience& patience) {

@@ -35,11 +35,12 @@ class HttpStore final : public ChunkStore {
                                    std::span<std::byte> out) override;
   std::string stampOf(const std::string& key) override;
   bool canList() const override { return false; }
-  int distantReads() const override { return 16; }
+  int distantReads() const override { return kMostReads; }
   void list(const std::string& folder,
             const std::function<void(const Entry& entry)>& take) override;
 
  private:
+  static constexpr int kMostReads = 16;  // at a time
   struct Kept {
     bool is_there = false;
     std::vector<std::byte> bytes;
