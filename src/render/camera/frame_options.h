@@ -46,7 +46,8 @@ struct FrameOptions {
   Mode mode = Mode::kComposite;
   bool with_depth = false;
   // From this opacity on a pixel counts as opaque, see rayThreshold() and hidingThreshold(). 1: the
-  // picture does not change. Unset: 1, with occlusion kDefaultOpaque.
+  // picture does not change. Unset: 1; kDefaultOpaque for occlusion, and for a chooser that culls
+  // blocks by opacity functions (src/render/blocks/culled_blocks.h).
   std::optional<double> opacity_threshold;
   Occlusion occlusion = Occlusion::kOff;  // composite only
   bool shades = true;                     // by sessions opened lit; they may draw a frame without
