@@ -14,7 +14,7 @@ bool readsGradients(const FrameSetup& setup) {
   return setup.lit || !setup.look_up->magnitudes.empty();
 }
 
-// Of a box, in which each channel takes as many as the frame's own.
+// The limit for the samples of one channel: each further one takes as many in the same box.
 double mostSamples(const FrameSetup& setup) {
   const bool gradients = readsGradients(setup) || std::ranges::any_of(setup.others, readsGradients);
   return (gradients ? DrawingPieces::kMostLitSamples : DrawingPieces::kMostSamples) /

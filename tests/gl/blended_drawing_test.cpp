@@ -1,5 +1,5 @@
-// What the GL device needs to blend channels: blocks whose boxes have the same chunks come
-// together, and too few texture units are refused before anything is drawn.
+// The GL device draws blocks whose boxes have the same chunks together, and refuses too few texture
+// units before it draws anything.
 #include "src/gl/blended_drawing.h"
 
 #include <gmock/gmock.h>

@@ -19,7 +19,7 @@ namespace {
 
 using nlohmann::json;
 
-// What a row of the report draws, with a scene of its own.
+// The frames of one row of the report, from a scene of their own.
 struct ChannelsWay {
   std::string name;
   Scene scene;

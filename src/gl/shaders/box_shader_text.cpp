@@ -148,7 +148,7 @@ void main() {
 }
 )";
 
-// What the rays of all boxes have in common.
+// Functions of a ray that are the same for all boxes.
 const char* const kRayText = R"(
 layout(location = 0) out vec4 result;
 #if CLIP_PLANES > 0

@@ -19,7 +19,7 @@ class GlProgram {
   GlProgram& operator=(const GlProgram&) = delete;
 
   void use() const { gl_.UseProgram(program_); }
-  // Whose uniforms set() means from now on: a channel's (BlendedVariant), or those of all.
+  // From now on set() means the uniforms of this channel (BlendedVariant), or those that all share.
   void ofChannel(size_t channel) { suffix_ = "_" + std::to_string(channel); }
   void ofAll() { suffix_.clear(); }
   // Uniforms that the compiler dropped are ignored. Requires: the program is in use.

@@ -45,9 +45,9 @@ struct ShaderVariant {
 std::string vertexShader(const ShaderVariant& variant);
 std::string fragmentShader(const ShaderVariant& variant);
 
-// Of a frame that blends channels (FrameSetup::others): what they share, and what each has. Names
-// of uniforms that each channel has end in "_0", "_1", ... Boxes come in groups, see
-// BlendedDrawing.
+// The variant of a frame that blends channels (FrameSetup::others). `view` has the members that
+// they share. A uniform that each channel has ends in "_0", "_1", ... Boxes come in groups, see
+// inGroups().
 struct BlendedVariant {
   ShaderVariant view;
   std::vector<ShaderVariant> channels;
