@@ -43,36 +43,14 @@ void addSample(int k, float ray_length, inout vec4 total, inout float clear) {
 #if GOES_AHEAD
   if (value < visible.x || value > visible.y) return;
 #endif
-  float entry = value * entry_scale + entry_offset;
-#if FLOATS
-  entry = clamp(entry, 0.0, 1.0);  // drivers may wrap where a coordinate is beyond integers
-#endif
-#if LABELS
-  vec4 color = labelColor(entry);
-#else
-  vec4 color = textureLod(look_up, vec2(entry, 0.5), 0.0);
-#endif
-#if GRADIENTS
-  vec3 difference = differenceAt(at);
-  float unit = 1.0;
-#if FLOATS
-  // In units of the steepest axis, since squares of the values themselves may overflow.
-  unit = max(max(abs(difference.x), max(abs(difference.y), abs(difference.z))), 1e-37);
-  difference /= unit;
-#endif
-  float squared = squareOf(difference);
-#endif
 #if GRADIENT_ROWS > 0
-  color.a = corrected(color.a * factorOf(unit * sqrt(squared), entry), slice_length * ray_length);
-  color.rgb *= color.a;
-#elif PERSPECTIVE
-  color.a = 1.0 - exp2(color.a * ray_length);
-  color.rgb *= color.a;
+  float voxel_lengths = slice_length * ray_length;
+#else
+  const float voxel_lengths = 1.0;
 #endif
-#if LIT
-  float flatness = reflection.w / unit;
-  color = shade(color, difference, squared, flatness * flatness, vec3(0.0));
-#endif
+  float entry = entryOf(value);
+  vec4 color = shownColor(entryColor(value, entry), value, 1.0, entry, at, ray_length,
+                          voxel_lengths, vec3(0.0));
   total += color;
   clear *= 1.0 - color.a;
 }

@@ -332,6 +332,80 @@ vec4 shade(vec4 color, vec3 difference, float squared, float flatness, vec3 ligh
   return vec4(mix(plain, lit, squared / max(squared + flatness, 1e-37)), color.a);
 }
 #endif
+
+// The place of a value in the look-up, and the colour there.
+float entryOf(float value) {
+  float entry = value * entry_scale + entry_offset;
+#if FLOATS
+  entry = clamp(entry, 0.0, 1.0);  // drivers may wrap where a coordinate is beyond integers
+#endif
+  return entry;
+}
+vec4 entryColor(float value, float entry) {
+#if FLOATS
+  if (IS_NO_NUMBER(vec3(value)).x) return vec4(0.0);
+#endif
+#if LABELS
+  return labelColor(entry);
+#else
+  return textureLod(look_up, vec2(entry, 0.5), 0.0);
+#endif
+}
+
+#if COMBINING == 0
+// The colour of a composite sample, premultiplied: `color` is that of its look-up. `share`: of the
+// label, with SHARES. `ray_length`: slices from sample to sample; `voxel_lengths`: the same in unit
+// lengths, for gradient factors.
+vec4 shownColor(vec4 color, float value, float share, float entry, vec3 at, float ray_length,
+                float voxel_lengths, vec3 light_at) {
+#if GRADIENTS
+  vec3 difference = differenceAt(at);
+  float unit = 1.0;
+#if FLOATS
+  // In units of the steepest axis, since squares of the values themselves may overflow.
+  unit = max(max(abs(difference.x), max(abs(difference.y), abs(difference.z))), 1e-37);
+  difference /= unit;
+#endif
+  float squared = squareOf(difference);
+#endif
+  float factor = 1.0;
+#if GRADIENT_ROWS > 0
+#if INTEGRATES
+  color.a = 1.0 - exp2(-color.a);
+#endif
+  factor = factorOf(unit * sqrt(squared), entry);
+  color.a = corrected(color.a * factor, voxel_lengths);
+  color.rgb *= color.a;
+#elif INTEGRATES
+  color.a = 1.0 - exp2(-color.a * ray_length);
+  color.rgb *= color.a;
+#elif PERSPECTIVE
+  color.a = 1.0 - exp2(color.a * ray_length);
+  color.rgb *= color.a;
+#endif
+#if SHARES
+#if GRADIENT_ROWS > 0
+  color = sharedColor(labelColor(entry), share * factor, ray_length);
+#else
+  color = sharedColor(labelColor(entry), share, ray_length);
+#endif
+#if FLOATS
+  if (IS_NO_NUMBER(vec3(value)).x) color = vec4(0.0);
+#endif
+#endif
+#if SPREAD
+  color = expectedColor(value, spreadShareAt(at), factor, ray_length, color);
+#if FLOATS
+  if (IS_NO_NUMBER(vec3(value)).x) color = vec4(0.0);
+#endif
+#endif
+#if LIT
+  float flatness = reflection.w / unit;
+  color = shade(color, difference, squared, flatness * flatness, light_at);
+#endif
+  return color;
+}
+#endif
 )";
 
 }  // namespace sluice

@@ -30,6 +30,8 @@ void main() {
   float ray_length = rayLengthAt(pixel);
 #if GRADIENT_ROWS > 0
   float voxel_lengths = slice_length * ray_length;
+#else
+  const float voxel_lengths = 1.0;
 #endif
 #if LIGHT_VOLUME
   vec3 light_along = step * light_scale;
@@ -66,7 +68,7 @@ void main() {
 #endif
   for (int k = range.x; k < range.y; ++k) {
     vec3 at;
-    float value;
+    float value = 0.0;
 #if GOES_AHEAD
     // On to the next sample that may show something. Software GL runs a loop's body for several
     // pixels together, as long as any of them needs it, and skips nothing by `if`: so each pixel goes
@@ -140,67 +142,19 @@ void main() {
     // A loop, since software GL skips no `if`.
     for (bool again = IS_NO_NUMBER(vec3(value)).x; again; again = false) value = valueOnPlane(at);
 #endif
-    float entry = value * entry_scale + entry_offset;
-#if FLOATS
-    entry = clamp(entry, 0.0, 1.0);  // drivers may wrap where a coordinate is beyond integers
-#endif
-#if LABELS
-    vec4 color = labelColor(entry);
-#else
-    vec4 color = textureLod(look_up, vec2(entry, 0.5), 0.0);
-#endif
-#if FLOATS
-    if (IS_NO_NUMBER(vec3(value)).x) color = vec4(0.0);
-#endif
+    float entry = entryOf(value);
+    vec4 color = entryColor(value, entry);
 #endif
 #if SURFACES > 0 && !HAS_OPACITIES
     color = vec4(0.0);
 #elif COMBINING == 0
-#if GRADIENTS
-    vec3 difference = differenceAt(at);
-    float unit = 1.0;
-#if FLOATS
-    // In units of the steepest axis, since squares of the values themselves may overflow.
-    unit = max(max(abs(difference.x), max(abs(difference.y), abs(difference.z))), 1e-37);
-    difference /= unit;
-#endif
-    float squared = squareOf(difference);
-#endif
-    float factor = 1.0;
-#if GRADIENT_ROWS > 0
-#if INTEGRATES
-    color.a = 1.0 - exp2(-color.a);
-#endif
-    factor = factorOf(unit * sqrt(squared), entry);
-    color.a = corrected(color.a * factor, voxel_lengths);
-    color.rgb *= color.a;
-#elif INTEGRATES
-    color.a = 1.0 - exp2(-color.a * ray_length);
-    color.rgb *= color.a;
-#elif PERSPECTIVE
-    color.a = 1.0 - exp2(color.a * ray_length);
-    color.rgb *= color.a;
-#endif
-#if SHARES
-#if GRADIENT_ROWS > 0
-    color = sharedColor(labelColor(entry), label.g * factor, ray_length);
+#if LABELS
+    float share = label.g;
 #else
-    color = sharedColor(labelColor(entry), label.g, ray_length);
+    const float share = 1.0;
 #endif
-#if FLOATS
-    if (IS_NO_NUMBER(vec3(value)).x) color = vec4(0.0);
-#endif
-#endif
-#if SPREAD
-    color = expectedColor(value, spreadShareAt(at), factor, ray_length, color);
-#if FLOATS
-    if (IS_NO_NUMBER(vec3(value)).x) color = vec4(0.0);
-#endif
-#endif
-#if LIT
-    float flatness = reflection.w / unit;
-    color = shade(color, difference, squared, flatness * flatness, LIGHT_AT(float(k)));
-#endif
+    color = shownColor(color, value, share, entry, at, ray_length, voxel_lengths,
+                       LIGHT_AT(float(k)));
 #endif
 #if COMBINING == 0
 #if SURFACES > 0
