@@ -51,6 +51,7 @@ json benchChannels(const BenchArguments& bench) {
         bench.volume.inputs.front());
   const uint64_t parts = channels.size() + 2;
   std::vector<ChannelsWay> ways;
+  ways.reserve(parts);
   for (const auto& [source, channel, arguments, note] : channels)
     ways.push_back(
         wayOf(bench, channel.id(), arguments, lookOfChannel(bench.look, channel), parts));
