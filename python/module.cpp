@@ -71,6 +71,8 @@ VolumeOptions volumeOptions(const py::dict& keywords) {
   take("temporary_dir", options.temporary_folder);
   take("cache_dir", options.web.cache_folder);
   take("cache", options.web.cache_bytes);
+  take("certificate_file", options.web.certificate_file);
+  take("certificate_folder", options.web.certificate_folder);
   take("access_key", options.web.access_key);
   take("secret_key", options.web.secret_key);
   take("session_token", options.web.session_token);

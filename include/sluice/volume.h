@@ -49,6 +49,9 @@ struct VolumeOptions {
     std::string access_key = {}, secret_key = {}, session_token = {};
     std::string region = {};    // empty: us-east-1
     std::string endpoint = {};  // "http://127.0.0.1:9000"; empty: Amazon's
+    // The authorities that https:// trusts: a file of certificates (PEM), or a folder of them as
+    // `openssl rehash` arranges it. Both empty: the system's.
+    std::string certificate_file = {}, certificate_folder = {};
   };
 
   // For a series: whether the value range, looks chosen by it, and fits cover all steps, whose

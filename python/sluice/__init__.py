@@ -70,6 +70,15 @@ def _cache(size, folder):
         ('XDG_CACHE_HOME', 'sluice/web'), ('HOME', '.cache/sluice/web')))
 
 
+def _certificates():
+    """The options of the authorities that https:// trusts, from the variables that curl looks at."""
+    bundle = _os.environ.get('CURL_CA_BUNDLE')
+    if bundle:
+        return dict(certificate_file=bundle)
+    return dict(certificate_file=_os.environ.get('SSL_CERT_FILE', ''),
+                certificate_folder=_os.environ.get('SSL_CERT_DIR', ''))
+
+
 def open(path, *, dims=None, type=None, endian=None, skip=None, time_steps=None, spacing=None, grid=None,
          channel=None, over=None, time=0, whole_series=True, opens_soon=False, index_dir=None, levels=None, cache=None,
          cache_dir=None, block=None, page=None, memory=None, threads=None, progress=None):
@@ -88,6 +97,7 @@ def open(path, *, dims=None, type=None, endian=None, skip=None, time_steps=None,
     says whether it makes coarser levels of a file that has none: 'auto' if it is large, 'always',
     'none', or, by default, only uses those that were 'kept' before. `cache` ('20G' or bytes) is the
     limit of a folder, `cache_dir`, that keeps what is read from addresses on the web.
+    CURL_CA_BUNDLE, SSL_CERT_FILE and SSL_CERT_DIR name the authorities that https:// trusts.
     `block` is the side of the blocks that are read, a power of two, and `page` (x, y, z) the texels
     of a page of textures. `progress(stage, done, total)` is called with 'indexing' or 'decoding' and
     bytes.
@@ -107,7 +117,7 @@ def open(path, *, dims=None, type=None, endian=None, skip=None, time_steps=None,
                    spacing=spacing, grid=grid, whole_series=whole_series, opens_soon=opens_soon, time=time,
                    index_dir=_index_folder(index_dir), levels=levels, block=block, page=page, memory=_bytes(memory),
                    threads=threads)
-    options.update(_cache(cache, cache_dir))
+    options.update(_cache(cache, cache_dir), **_certificates())
     if over is not None:
         options['over'] = _os.fspath(over)
     if any(str(each).startswith('s3://') for each in [*paths, over]):

@@ -21,6 +21,7 @@ VoxelType typeOf(const std::string& name, const std::string& type) {
 WebOptions webOptions(const VolumeOptions::Web& web) {
   WebOptions options;
   options.cache = {web.cache_folder, web.cache_folder.empty() ? 0 : web.cache_bytes};
+  options.certificates = {web.certificate_file, web.certificate_folder};
   BucketAccess& buckets = options.buckets;
   buckets.endpoint = web.endpoint;
   if (!web.region.empty()) buckets.region = web.region;
