@@ -378,7 +378,7 @@ uint64_t GlDevice::takenSamples() {
   return sumOfCounts();
 }
 
-uint64_t GlDevice::sumOfCounts() const {
+uint64_t GlDevice::sumOfCounts() {
   double sum = 0;
   std::vector<float> counts;
   target_.read(GL_COLOR_ATTACHMENT1, counts);

@@ -85,7 +85,7 @@ class GlDevice : public Device, public DrawsForScreens, public DrawsRows {
   // The same box by box, with the target's rows [row_lo, row_hi) of each as they were before it.
   void drawOverKept(std::span<const BoxDraw> boxes, int row_lo, int row_hi);
   // Adds up the counts in the second attachment.
-  uint64_t sumOfCounts() const;
+  uint64_t sumOfCounts();
 
   std::unique_ptr<GlContext> context_;
   const GlFunctions& gl_;

@@ -1,6 +1,5 @@
 #include "src/gl/render_target.h"
 
-#include <algorithm>
 #include <utility>
 
 #include "src/base/error.h"
@@ -18,6 +17,8 @@ RenderTarget::~RenderTarget() {
   gl_.DeleteFramebuffers(1, &framebuffer_);
   gl_.DeleteTextures(1, &color_);
   gl_.DeleteTextures(1, &second_);
+  gl_.DeleteFramebuffers(1, &turned_framebuffer_);
+  gl_.DeleteTextures(1, &turned_);
 }
 
 void RenderTarget::resize(PictureSize size) {
@@ -33,11 +34,7 @@ void RenderTarget::resize(PictureSize size) {
   gl_.BindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
   for (const auto& [texture, attachment] :
        {std::pair(color_, GL_COLOR_ATTACHMENT0), std::pair(second_, GL_COLOR_ATTACHMENT1)}) {
-    gl_.BindTexture(GL_TEXTURE_2D, texture);
-    gl_.TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA32F, size.width, size.height, 0, GL_RGBA, GL_FLOAT,
-                   nullptr);
-    gl_.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
-    gl_.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
+    makeFloats(texture, size);
     gl_.FramebufferTexture2D(GL_FRAMEBUFFER, static_cast<GLenum>(attachment), GL_TEXTURE_2D,
                              texture, 0);
   }
@@ -46,6 +43,14 @@ void RenderTarget::resize(PictureSize size) {
     failSystem("the GL driver cannot draw a float picture of {} x {} pixels", size.width,
                size.height);
   size_ = size;
+}
+
+void RenderTarget::makeFloats(GLuint texture, PictureSize size) const {
+  gl_.BindTexture(GL_TEXTURE_2D, texture);
+  gl_.TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA32F, size.width, size.height, 0, GL_RGBA, GL_FLOAT,
+                 nullptr);
+  gl_.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+  gl_.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
 }
 
 void RenderTarget::attachSecond(bool is_attached) const {
@@ -59,7 +64,7 @@ void RenderTarget::keepRows(int lo, int hi) const {
   gl_.CopyTexSubImage2D(GL_TEXTURE_2D, 0, 0, lo, 0, lo, size_.width, hi - lo);
 }
 
-void RenderTarget::read(GLenum attachment, std::vector<float>& rgba) const {
+void RenderTarget::read(GLenum attachment, std::vector<float>& rgba) {
   const auto width = static_cast<size_t>(size_.width);
   const auto height = static_cast<size_t>(size_.height);
   const size_t count = width * height * 4;
@@ -70,17 +75,33 @@ void RenderTarget::read(GLenum attachment, std::vector<float>& rgba) const {
   rgba.resize(count);
   // GL's rows go upwards.
   gl_.ReadBuffer(attachment);
+  if (inverts_)
+    gl_.PixelStorei(kPackInvert, GL_TRUE);
+  else
+    turn();
   gl_.PixelStorei(GL_PACK_ALIGNMENT, 1);
-  if (inverts_) gl_.PixelStorei(kPackInvert, GL_TRUE);
   gl_.ReadPixels(0, 0, size_.width, size_.height, GL_RGBA, GL_FLOAT, rgba.data());
-  if (inverts_) {
+  if (inverts_)
     gl_.PixelStorei(kPackInvert, GL_FALSE);
-    return;
+  else
+    gl_.BindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
+}
+
+void RenderTarget::turn() {
+  if (turned_framebuffer_ == 0) {
+    gl_.GenFramebuffers(1, &turned_framebuffer_);
+    gl_.GenTextures(1, &turned_);
   }
-  for (size_t row = 0; row < height / 2; ++row)
-    std::swap_ranges(rgba.begin() + static_cast<ptrdiff_t>(row * width * 4),
-                     rgba.begin() + static_cast<ptrdiff_t>((row + 1) * width * 4),
-                     rgba.begin() + static_cast<ptrdiff_t>((height - 1 - row) * width * 4));
+  gl_.BindFramebuffer(GL_DRAW_FRAMEBUFFER, turned_framebuffer_);
+  if (turned_size_.width != size_.width || turned_size_.height != size_.height) {
+    makeFloats(turned_, size_);
+    gl_.FramebufferTexture2D(GL_DRAW_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, turned_, 0);
+    turned_size_ = size_;
+  }
+  gl_.BlitFramebuffer(0, 0, size_.width, size_.height, 0, size_.height, size_.width, 0,
+                      GL_COLOR_BUFFER_BIT, GL_NEAREST);
+  gl_.BindFramebuffer(GL_FRAMEBUFFER, turned_framebuffer_);
+  gl_.ReadBuffer(GL_COLOR_ATTACHMENT0);
 }
 
 }  // namespace sluice

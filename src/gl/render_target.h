@@ -32,13 +32,20 @@ class RenderTarget {
   void keepRows(int lo, int hi) const;
 
   // RGBA of GL_COLOR_ATTACHMENT0 or 1 into `rgba`, top row first, whatever it held.
-  void read(GLenum attachment, std::vector<float>& rgba) const;
+  void read(GLenum attachment, std::vector<float>& rgba);
 
  private:
+  void makeFloats(GLuint texture, PictureSize size) const;
+  // Copies the picture that is read upside down and lets the copy be read.
+  void turn();
+
   const GlFunctions& gl_;
   bool inverts_;
   PictureSize size_{0, 0};
   GLuint framebuffer_ = 0, color_ = 0, second_ = 0;
+  // Made if the driver reads rows upwards.
+  PictureSize turned_size_{0, 0};
+  GLuint turned_framebuffer_ = 0, turned_ = 0;
 };
 
 }  // namespace sluice

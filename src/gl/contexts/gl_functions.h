@@ -52,6 +52,7 @@ using GlLoader = std::function<void*(const char*)>;
   X(ReadBuffer, READBUFFER)                                 \
   X(ReadPixels, READPIXELS)                                 \
   X(DrawBuffers, DRAWBUFFERS)                               \
+  X(BlitFramebuffer, BLITFRAMEBUFFER)                       \
   X(CopyTexSubImage2D, COPYTEXSUBIMAGE2D)                   \
   /* Textures and samplers */                               \
   X(ActiveTexture, ACTIVETEXTURE)                           \
