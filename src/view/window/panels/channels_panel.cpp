@@ -78,8 +78,7 @@ void opacity(WindowState& window, const Channel& channel) {
 void combining(WindowState& window) {
   const LookOptions& look = window.state().look;
   bool blends = look.combine == LookOptions::Combine::kBlend;
-  const bool can_blend =
-      look.mode == LookOptions::Mode::kComposite && window.volume.news->device.starts_with("cpu");
+  const bool can_blend = look.mode == LookOptions::Mode::kComposite;
   ImGui::BeginDisabled(!can_blend && !blends);
   if (ImGui::Checkbox("one medium", &blends))
     window.edit([&](ViewState& next) {
