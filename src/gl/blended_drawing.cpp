@@ -44,11 +44,12 @@ std::vector<BoxDraw> inGroups(const BlendedBlocks& blocks, size_t first, size_t 
   return groups;
 }
 
-GlProgram& BlendedDrawing::begin(const FrameSetup& setup) {
+GlProgram& BlendedDrawing::begin(const FrameSetup& setup, bool fetches) {
   std::vector<const FrameSetup*> channels{&setup};
   for (const FrameSetup& other : setup.others) channels.push_back(&other);
   BlendedVariant variant;
-  for (const FrameSetup* channel : channels) variant.channels.push_back(frameVariant(*channel));
+  for (const FrameSetup* channel : channels)
+    variant.channels.push_back(frameVariant(*channel, fetches));
   variant.view = viewVariant(variant.channels.front());
 
   // Units that the frame's other textures leave.

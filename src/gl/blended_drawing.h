@@ -37,8 +37,9 @@ class BlendedDrawing {
   BlendedDrawing(const GlFunctions& gl, int texture_units)
       : gl_(gl), texture_units_(texture_units) {}
 
-  // The frame's program, in use, and told of the channels' looks, but not of the view.
-  GlProgram& begin(const FrameSetup& setup);
+  // The frame's program, in use, and told of the channels' looks, but not of the view. `fetches`:
+  // ShaderVariant's.
+  GlProgram& begin(const FrameSetup& setup, bool fetches);
   // Binds the channel's texture, and tells the program of its size.
   void bindChunk(size_t channel, GLuint texture, Vec3i storage_vox);
 

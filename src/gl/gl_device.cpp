@@ -7,6 +7,7 @@
 
 #include "src/base/error.h"
 #include "src/gl/box_buffer.h"
+#include "src/gl/filter_check.h"
 #include "src/gl/shaders/shading.h"
 
 namespace sluice {
@@ -42,7 +43,7 @@ std::unique_ptr<GlContext> currentOf(std::unique_ptr<GlContext> context) {
 
 }  // namespace
 
-GlDevice::GlDevice(std::unique_ptr<GlContext> context)
+GlDevice::GlDevice(std::unique_ptr<GlContext> context, std::optional<bool> fetches)
     : context_(currentOf(std::move(context))),
       gl_(context_->functions()),
       pool_(gl_),
@@ -59,6 +60,8 @@ GlDevice::GlDevice(std::unique_ptr<GlContext> context)
                  GL_STATIC_DRAW);
   gl_.GenBuffers(1, &box_buffer_);
   gl_.GenTextures(1, &box_texture_);
+  // Software is known to be exact (GALLIVM_PERF, see context.h); to look takes it 30 ms.
+  fetches_ = fetches.value_or(!context_->isSoftware() && !filtersExactly(gl_));
 }
 
 GlDevice::~GlDevice() {
@@ -193,7 +196,7 @@ void GlDevice::beginFrame(const FrameSetup& setup, const StopToken& stop) {
   stop_ = stop;
   pieces_.emplace(setup_);
   const ModeTraits& traits = traitsOf(setup.mode);
-  variant_ = frameVariant(setup);
+  variant_ = frameVariant(setup, fetches_);
   const int64_t most = limits().max_picture_size;
   if (std::max(setup.size.width, setup.size.height) > most)
     failRequest("a picture of {} x {} pixels: the GL driver draws at most {} along an axis",
@@ -211,7 +214,7 @@ void GlDevice::beginFrame(const FrameSetup& setup, const StopToken& stop) {
   if (setup_.others.empty())
     frameProgram(kOne, false);
   else
-    setView(blended_.begin(setup_));
+    setView(blended_.begin(setup_, fetches_));
 }
 
 void GlDevice::setFrame(GlProgram& program) {

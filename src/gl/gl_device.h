@@ -34,7 +34,8 @@ namespace sluice {
 
 class GlDevice : public Device, public DrawsForScreens, public DrawsRows {
  public:
-  explicit GlDevice(std::unique_ptr<GlContext> context);
+  // `fetches`: ShaderVariant's; unset: if the driver's hardware needs it.
+  explicit GlDevice(std::unique_ptr<GlContext> context, std::optional<bool> fetches = {});
   ~GlDevice() override;
 
   DeviceLimits limits() const override;
@@ -104,6 +105,7 @@ class GlDevice : public Device, public DrawsForScreens, public DrawsRows {
   PictureRows frame_rows_;           // rows of this frame that the target has
   StopToken stop_;
   std::optional<DrawingPieces> pieces_;  // for the current frame
+  bool fetches_ = false;                 // see ShaderVariant
   ShaderVariant variant_;
   std::set<ShaderVariant> told_;  // programs that know of this frame
   GLuint vertex_array_ = 0, index_buffer_ = 0, box_buffer_ = 0, box_texture_ = 0;

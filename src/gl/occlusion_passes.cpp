@@ -4,15 +4,10 @@
 #include <array>
 
 #include "src/base/error.h"
+#include "src/gl/shaders/shader_text.h"
 
 namespace sluice {
 namespace {
-
-constexpr const char* kCover = R"(#version 330 core
-void main() {
-  gl_Position = vec4(4.0 * float(gl_VertexID & 1) - 1.0, 2.0 * float(gl_VertexID & 2) - 1.0, -1.0, 1.0);
-}
-)";
 
 constexpr const char* kTiles = R"(#version 330 core
 uniform sampler2D picture;
@@ -146,14 +141,14 @@ std::vector<float> OcclusionPasses::leastOpacity(GLuint color, PictureSize size,
   gl_.ActiveTexture(GL_TEXTURE0);
   const PictureSize tiles{(size.width + kTile - 1) / kTile, (size.height + kTile - 1) / kTile};
   resize(tiles_, tiles);
-  if (!tile_program_) tile_program_.emplace(gl_, kCover, kTiles);
+  if (!tile_program_) tile_program_.emplace(gl_, kCoverText, kTiles);
   tile_program_->use();
   tile_program_->set("picture", 0);
   gl_.BindTexture(GL_TEXTURE_2D, color);
   cover(tiles);
 
   resize(map_, {grid.side, grid.side});
-  if (!map_program_) map_program_.emplace(gl_, kCover, kMap);
+  if (!map_program_) map_program_.emplace(gl_, kCoverText, kMap);
   map_program_->use();
   map_program_->set("tiles", 0);
   const auto& clip = grid.clip_from_map;
@@ -183,7 +178,7 @@ std::vector<float> OcclusionPasses::leastOpacity(GLuint color, PictureSize size,
 
 GLuint OcclusionPasses::markOpaque(GLuint color, PictureSize size, double opacity) {
   resizeDepth(size);
-  if (!mark_program_) mark_program_.emplace(gl_, kCover, kMark);
+  if (!mark_program_) mark_program_.emplace(gl_, kCoverText, kMark);
   mark_program_->use();
   mark_program_->set("picture", 0);
   mark_program_->set("opacity", opacity);

@@ -3,15 +3,10 @@
 #include <algorithm>
 
 #include "src/base/error.h"
+#include "src/gl/shaders/shader_text.h"
 
 namespace sluice {
 namespace {
-
-constexpr const char* kWholeScreen = R"(#version 330 core
-void main() {
-  gl_Position = vec4(4.0 * float(gl_VertexID & 1) - 1.0, 2.0 * float(gl_VertexID & 2) - 1.0, 0.0, 1.0);
-}
-)";
 
 constexpr const char* kOver = R"(#version 330 core
 uniform sampler2D picture;
@@ -50,8 +45,8 @@ ScreenTextures::~ScreenTextures() {
 
 void ScreenTextures::makePrograms() {
   if (over_ != nullptr) return;
-  over_ = std::make_unique<GlProgram>(gl_, kWholeScreen, kOver);
-  shown_ = std::make_unique<GlProgram>(gl_, kWholeScreen, kShown);
+  over_ = std::make_unique<GlProgram>(gl_, kCoverText, kOver);
+  shown_ = std::make_unique<GlProgram>(gl_, kCoverText, kShown);
   gl_.GenFramebuffers(1, &framebuffer_);
   gl_.GenQueries(1, &query_);
 }

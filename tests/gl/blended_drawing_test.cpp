@@ -48,13 +48,13 @@ TEST(BlendedDrawing, refusesMoreTexturesThanTheDriverHas) {
   setup.others.assign(8, setup);
   BlendedDrawing few(context->functions(), 16);
   try {
-    few.begin(setup);
+    few.begin(setup, false);
     FAIL() << "16 units are not enough";
   } catch (const Error& error) {
     EXPECT_THAT(error.what(), testing::HasSubstr("9 channels need 20 textures at once"));
   }
   setup.others.resize(3);
-  few.begin(setup);
+  few.begin(setup, false);
 }
 
 }  // namespace

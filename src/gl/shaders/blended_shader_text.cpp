@@ -35,7 +35,7 @@ void addSample(int k, float ray_length, inout vec4 total, inout float clear) {
 #if LABELS
   float value = labelAt(at).r;
 #else
-  float value = textureLod(chunk, at, 0.0).r;
+  float value = texelAt(at).r;
 #endif
 #if FLOATS
   if (IS_NO_NUMBER(vec3(value)).x) return;

@@ -2,6 +2,13 @@
 
 namespace sluice {
 
+// At the nearest depth, so that the target's other depths are behind it.
+const char* const kCoverText = R"(#version 330 core
+void main() {
+  gl_Position = vec4(4.0 * float(gl_VertexID & 1) - 1.0, 2.0 * float(gl_VertexID & 2) - 1.0, -1.0, 1.0);
+}
+)";
+
 // The inputs of a fragment: values of the view and of the box. They come as flat inputs, because
 // software GL reads a uniform again for each pixel in every turn of a loop, but a flat input once
 // for all the pixels that it draws together. GL 3.3 lets 60 components pass; inputs that a variant
@@ -43,7 +50,7 @@ FLAT vec3 box_corner;         // of the box, in texels
 FLAT vec3 texel_size;         // 1 / texels of the chunk
 FLAT float entry_scale, entry_offset;
 FLAT float least, greatest;   // texel values of the first and the last entry
-#if GOES_AHEAD
+#if KNOWS_VISIBLE
 FLAT vec2 visible;            // texel values beyond these show nothing
 #endif
 #if GRADIENTS
@@ -89,7 +96,7 @@ void readView() {
 const char* const kReadBoxText = R"(
 uniform vec3 chunk_texel_size;
 uniform vec4 entries;      // scale, offset, least, greatest
-#if GOES_AHEAD
+#if KNOWS_VISIBLE
 uniform vec2 visible_texels;
 #endif
 #if GRADIENTS
@@ -115,7 +122,7 @@ void readBox(int at) {
 #endif
   texel_dx = ray_dx.xyz * texel_unit;
   texel_dy = ray_dy.xyz * texel_unit;
-#if GOES_AHEAD
+#if KNOWS_VISIBLE
   visible = visible_texels;
 #endif
 #if GRADIENTS

@@ -34,7 +34,6 @@ vec4 cued(vec4 color, float slice) {
 )";
 
 const char* const kColorText = R"(
-uniform sampler3D chunk;
 uniform sampler2D look_up;
 #if LABELS
 #define LABEL_ROW 4096
@@ -45,7 +44,6 @@ vec4 labelColor(float entry) {
 }
 
 #if SHARES
-uniform float share_unit;    // 1 / the second number of a texel none of which has the label
 uniform float unit_lengths;  // between samples
 // The colour of a label, premultiplied, if its opacity of a unit length is multiplied by `share`.
 // `rgba` is the look-up's, see lookUpTexels().
@@ -67,101 +65,9 @@ vec4 sharedColor(vec4 rgba, float share, float ray_length) {
   return vec4(rgb * a, a);
 }
 #endif
-
-// The value that has the greatest weight among the eight texels around, see LookUp; and, if chunks
-// have shares, its mean share in those that have it.
-vec2 labelAt(vec3 at) {
-  const float kTie = 1e-3;
-  ivec3 last = textureSize(chunk, 0) - 1;
-  vec3 texel = at / texel_size - 0.5;
-  vec3 low = floor(texel);
-  vec3 t = texel - low;
-  ivec3 first = clamp(ivec3(low), ivec3(0), last);
-  ivec3 next = min(first + 1, last);
-  float values[8];
-  float weights[8];
-#if SHARES
-  float others[8];
-#endif
-  for (int i = 0; i < 8; ++i) {
-    bvec3 upper = bvec3((i & 1) != 0, (i & 2) != 0, (i & 4) != 0);
-    vec3 w = mix(1.0 - t, t, upper);
-    vec2 both = texelFetch(chunk, ivec3(upper.x ? next.x : first.x, upper.y ? next.y : first.y,
-                                        upper.z ? next.z : first.z), 0).rg;
-    values[i] = both.r;
-#if SHARES
-    others[i] = both.g;
-#endif
-    weights[i] = w.x * w.y * w.z;
-  }
-  float best = values[0], most = -1.0;
-  for (int i = 0; i < 8; ++i) {
-    float weight = 0.0;
-    for (int k = 0; k < 8; ++k) weight += values[k] == values[i] ? weights[k] : 0.0;
-    if (weight > most + kTie || (weight > most - kTie && values[i] > best)) {
-      best = values[i];
-      most = weight;
-    }
-  }
-#if SHARES
-  float whole = 0.0, lost = 0.0;
-  for (int i = 0; i < 8; ++i)
-    if (values[i] == best) {
-      whole += weights[i];
-      lost += weights[i] * others[i];
-    }
-  return vec2(best, 1.0 - clamp(lost * share_unit / max(whole, 1e-20), 0.0, 1.0));
-#else
-  return vec2(best, 1.0);
-#endif
-}
-#endif
-
-#if PLANES && FLOATS
-// On a voxel plane the voxels beside it have no part, but rounding gives them one, and of a texel
-// that stands for NaN the least is too much: here it is none.
-float valueOnPlane(vec3 at) {
-  const float kRounding = 1e-4;
-  ivec3 last = textureSize(chunk, 0) - 1;
-  vec3 texel = at / texel_size - 0.5;
-  vec3 nearest = round(texel);
-  texel = mix(texel, nearest, lessThan(abs(texel - nearest), vec3(kRounding)));
-  vec3 low = floor(texel);
-  vec3 t = texel - low;
-  ivec3 first = clamp(ivec3(low), ivec3(0), last);
-  ivec3 next = min(first + 1, last);
-  float value = 0.0;
-  for (int i = 0; i < 8; ++i) {
-    bvec3 upper = bvec3((i & 1) != 0, (i & 2) != 0, (i & 4) != 0);
-    vec3 w = mix(1.0 - t, t, upper);
-    value += w.x * w.y * w.z *
-             texelFetch(chunk, ivec3(upper.x ? next.x : first.x, upper.y ? next.y : first.y,
-                                     upper.z ? next.z : first.z), 0).r;
-  }
-  return value;
-}
 #endif
 
 #if GRADIENTS
-// From one voxel to the next, along the texture's axes. On software GL the reads beyond the first
-// are half of a lit frame, so that gradients kept with the voxels could save that at most; they
-// would need 16 bits a component and take eight times the bytes of 8-bit data at every level.
-vec3 differenceAt(vec3 at) {
-  vec2 n = vec2(1.0, 0.0);
-  vec3 after = vec3(textureLod(chunk, at + n.xyy * texel_size, 0.0).r,
-                    textureLod(chunk, at + n.yxy * texel_size, 0.0).r,
-                    textureLod(chunk, at + n.yyx * texel_size, 0.0).r);
-  vec3 before = vec3(textureLod(chunk, at - n.xyy * texel_size, 0.0).r,
-                     textureLod(chunk, at - n.yxy * texel_size, 0.0).r,
-                     textureLod(chunk, at - n.yyx * texel_size, 0.0).r);
-  vec3 difference = 0.5 * (after - before);
-#if FLOATS
-  // A neighbour that is no number says nothing of the slope along its axis.
-  difference = mix(difference, vec3(0.0), IS_NO_NUMBER(min(after, before)));
-#endif
-  return difference;
-}
-
 #if OBLIQUE
 uniform vec3 axis_cosines;  // between y and z, z and x, x and y
 #endif
@@ -215,30 +121,7 @@ float corrected(float opacity, float voxel_lengths) {
 
 #if SPREAD
 uniform sampler2D expected;
-uniform vec4 expected_line;  // of a mean: scale, offset; of a spread: scale, rows
 uniform float expected_length;
-
-// The spread at a place, as its share of the volume's values; see ExpectedLook for its squares. The
-// hardware interpolates what it reads, so the texels are read one by one.
-float spreadShareAt(vec3 at) {
-  ivec3 last = textureSize(chunk, 0) - 1;
-  vec3 texel = at / texel_size - 0.5;
-  vec3 low = floor(texel);
-  vec3 t = texel - low;
-  ivec3 first = clamp(ivec3(low), ivec3(0), last);
-  ivec3 next = clamp(ivec3(low) + 1, ivec3(0), last);
-  float square = 0.0;
-  for (int i = 0; i < 8; ++i) {
-    bvec3 upper = bvec3((i & 1) != 0, (i & 2) != 0, (i & 4) != 0);
-    vec3 w = mix(1.0 - t, t, upper);
-    float share = max(texelFetch(chunk, ivec3(upper.x ? next.x : first.x,
-                                              upper.y ? next.y : first.y,
-                                              upper.z ? next.z : first.z), 0).g, 0.0) *
-                  expected_line.z;
-    square += w.x * w.y * w.z * share * share;
-  }
-  return sqrt(square);
-}
 
 // The colour of a texel with a spread, premultiplied, over a way of `lengths` slices whose opacity
 // is multiplied by `factor` first: see ExpectedLook. `exact` is the same without spread.

@@ -42,8 +42,8 @@ void main() {
 #define LIGHT_AT(k) vec3(0.0)
 #endif
 #if SURFACES > 0
-  // The filtered values of both ends of a slice's way, for finding slices that may meet a surface.
-  float near_end, far_end = placeValue(first + (float(range.x - first_k) - 0.5) * along);
+  // The hardware's values at both ends of a slice's way, for finding slices that may meet a surface.
+  float near_end, far_end = roughAt(first + (float(range.x - first_k) - 0.5) * along).r;
 #endif
 #if COMBINING == 4
   // Read once: software GL reads uniforms again in every turn of a loop.
@@ -64,7 +64,7 @@ void main() {
 #endif
 #if INTEGRATES
   // Segments have the values at both ends, which may lie in the ghost layer.
-  float front, back = textureLod(chunk, first + (float(range.x - first_k) - 0.5) * along, 0.0).r;
+  float front, back = filteredAt(first + (float(range.x - first_k) - 0.5) * along).r;
 #endif
   for (int k = range.x; k < range.y; ++k) {
     vec3 at;
@@ -87,24 +87,24 @@ void main() {
 #endif
 #if SURFACES > 0
       near_end = far_end;
-      far_end = placeValue(at + 0.5 * along);
-      value = placeValue(at);
+      far_end = roughAt(at + 0.5 * along).r;
+      value = texelAt(at).r;
       if (mayMeet(near_end, far_end) || (HAS_OPACITIES == 1 && value >= visible.x && value <= visible.y) ||
           k + 1 == range.y)
         break;
     }
 #elif INTEGRATES
       front = back;
-      back = textureLod(chunk, at + 0.5 * along, 0.0).r;
+      back = filteredAt(at + 0.5 * along).r;
 #if GOES_AHEAD
       if ((max(front, back) >= visible.x && min(front, back) <= visible.y) || k + 1 == range.y)
         break;
     }
 #endif
 #else
-      vec2 both = textureLod(chunk, at, 0.0).rg;
-      value = both.r;
 #if GOES_AHEAD
+      vec2 both = texelAt(at);
+      value = both.r;
 #if SPREAD
       if (both.g > 0.0) break;
 #endif
@@ -118,6 +118,10 @@ void main() {
 #endif
       if (shows || k + 1 == range.y) break;
     }
+#elif PLANES && FLOATS && FETCHES
+      value = valueOnPlane(at);
+#else
+      value = texelAt(at).r;
 #endif
 #endif
 #if INTEGRATES
@@ -138,7 +142,7 @@ void main() {
 #if LABELS
     vec2 label = labelAt(at);
     value = label.r;
-#elif PLANES && FLOATS
+#elif PLANES && FLOATS && !FETCHES
     // A loop, since software GL skips no `if`.
     for (bool again = IS_NO_NUMBER(vec3(value)).x; again; again = false) value = valueOnPlane(at);
 #endif
@@ -208,7 +212,7 @@ void main() {
     float level = clamp((value - window.x) * window.y, 0.0, 1.0) * part;
     for (bool again = part > 0.0 && level * PLACE_STEPS > sum.r / DEPTH_STEPS - 64.0; again;
          again = false) {
-      level = clamp((exactAt(at) - window.x) * window.y, 0.0, 1.0) * part;
+      level = clamp((exactAt(at).r - window.x) * window.y, 0.0, 1.0) * part;
       float depth = clamp(dot(depth_row.xyz, box_lo + voxel) + depth_row.w, 0.0, 1.0);
       float code = floor(level * PLACE_STEPS + PLACE_SHIFT) * DEPTH_STEPS +
                    floor((1.0 - depth) * (DEPTH_STEPS - 1.0) + 0.5);

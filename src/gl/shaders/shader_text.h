@@ -5,6 +5,8 @@
 
 namespace sluice {
 
+extern const char* const kCoverText;  // main, of vertices: three that cover the whole target
+
 extern const char* const kViewInputsText;  // values that pass from vertices to pixels: of the view,
 extern const char* const kBoxInputsText;   // and of a box
 extern const char* const kReadViewText;    // readView(): sets the first,
@@ -14,7 +16,8 @@ extern const char* const kRayText;         // jitterAt(pixel), sliceAt(t, step),
 extern const char* const kIntervalText;    // ivec2 slices(origin, step)
 extern const char* const kPlanesText;      // ivec2 planes(pixel, ...): the same of voxel planes
 extern const char* const kOutputsText;     // what is written beside the colour; cued(color, slice)
-extern const char* const kColorText;       // the colour of a sample: gradients, factors, light
+extern const char* const kTexelText;       // the values, gradients, labels and spreads of a place
+extern const char* const kColorText;       // the colour of a sample: factors, light
 extern const char* const kSurfaceText;     // surfaces where values pass a level
 extern const char* const kSampleText;      // main: looks up, lights and blends the samples
 extern const char* const kCountText;       // main: how many samples there are

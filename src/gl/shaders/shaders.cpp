@@ -41,7 +41,10 @@ Definitions numbersOf(const ShaderVariant& v) {
           {"LIGHT_VOLUME", v.light_volume},
           {"CUES_DEPTH", v.cues_depth},
           {"JITTERS", v.jitters},
-          {"OBLIQUE", v.oblique}};
+          {"OBLIQUE", v.oblique},
+          {"FETCHES", v.fetches},
+          {"ROUGH_FIRST", v.rough_first},
+          {"KNOWS_VISIBLE", v.goes_ahead || v.rough_first}};
 }
 std::string definitions(const ShaderVariant& v) {
   std::string lines;
@@ -64,8 +67,11 @@ constexpr const char* kOfChannels[] = {"addSample",
                                        "box_lo",
                                        "chunk",
                                        "chunk_texel_size",
+                                       "cornersAt",
+                                       "cornersOf",
                                        "corrected",
                                        "differenceAt",
+                                       "Corners",
                                        "enterBox",
                                        "entryColor",
                                        "entryOf",
@@ -73,8 +79,12 @@ constexpr const char* kOfChannels[] = {"addSample",
                                        "entries",
                                        "entry_offset",
                                        "entry_scale",
+                                       "exactAt",
+                                       "exactOf",
                                        "factorOf",
                                        "factors",
+                                       "filter_tie",
+                                       "filteredAt",
                                        "first",
                                        "first_k",
                                        "first_rows",
@@ -85,15 +95,18 @@ constexpr const char* kOfChannels[] = {"addSample",
                                        "index_halfway",
                                        "index_slope",
                                        "index_toward",
+                                       "isNext",
                                        "labelAt",
                                        "labelColor",
                                        "label_entries",
                                        "least",
                                        "look_up",
+                                       "neighbors",
                                        "ramp",
                                        "range",
                                        "readBox",
                                        "reflection",
+                                       "roughAt",
                                        "shade",
                                        "shine",
                                        "shininess",
@@ -105,13 +118,16 @@ constexpr const char* kOfChannels[] = {"addSample",
                                        "texel_dx",
                                        "texel_dy",
                                        "texel_size",
+                                       "texelAt",
+                                       "texelOf",
                                        "textureOrder",
                                        "toward0",
                                        "toward1",
                                        "turn",
                                        "view_reflection",
                                        "visible",
-                                       "visible_texels"};
+                                       "visible_texels",
+                                       "weightOf"};
 
 // The text of one channel: the same as that of a single one, with names of its own.
 std::string channelText(const ShaderVariant& variant, size_t channel) {
@@ -121,7 +137,8 @@ std::string channelText(const ShaderVariant& variant, size_t channel) {
     text += fmt::format("#define {0} {0}_{1}\n", name, channel);
     after += fmt::format("#undef {}\n", name);
   }
-  return text + kBoxInputsText + kReadBoxText + kIntervalText + kColorText + kChannelText + after;
+  return text + kBoxInputsText + kReadBoxText + kIntervalText + kTexelText + kColorText +
+         kChannelText + after;
 }
 
 }  // namespace
@@ -134,8 +151,9 @@ std::string vertexShader(const ShaderVariant& variant) {
 std::string fragmentShader(const ShaderVariant& variant) {
   return kVersion + definitions(variant) + "#define FLAT flat in\n" + kViewInputsText +
          kBoxInputsText + kRayText + kIntervalText + kPlanesText +
-         (variant.counts ? std::string(kCountText)
-                         : kOutputsText + std::string(kColorText) + kSurfaceText + kSampleText);
+         (variant.counts
+              ? std::string(kCountText)
+              : kOutputsText + std::string(kTexelText) + kColorText + kSurfaceText + kSampleText);
 }
 
 std::string blendedVertexShader(const BlendedVariant& variant) {

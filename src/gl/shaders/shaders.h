@@ -24,7 +24,7 @@ struct ShaderVariant {
   int gradient_rows = 0;      // rows of gradient factors; 0: the opacity follows from values
   bool factor_table = false;  // factors depend on the value too
   bool corrects = false;      // with factors: a sample's length is not the opacity's
-  bool goes_ahead = false;    // with gradients: leaves out samples that show nothing
+  bool goes_ahead = false;    // leaves out samples that show nothing
   bool labels = false;        // values are names, see LookUp
   bool planes = false;        // samples lie on voxel planes, see FrameSetup
   bool codes_depth = false;   // the greatest value is kept with its depth, see depth_code.h
@@ -38,6 +38,8 @@ struct ShaderVariant {
   bool cues_depth = false;    // far colours are darkened, see FrameSetup::depth_cueing
   bool jitters = false;       // slices are moved along the ray, see FrameSetup::jitter
   bool oblique = false;       // with gradients: the volume's axes are not at right angles
+  bool fetches = false;       // the hardware interpolates coarsely, see filtersExactly()
+  bool rough_first = false;   // fetches: only if the hardware's value may show something
   friend auto operator<=>(const ShaderVariant&, const ShaderVariant&) = default;
 };
 

@@ -74,17 +74,20 @@ void setLights(const FrameSetup& setup, GlProgram& program) {
 }
 
 void setVisible(const FrameSetup& setup, GlProgram& program) {
-  const auto [least, greatest] = visibleValues(*setup.look_up);
-  const double scale = valueScale(setup.type);
-  program.set2("visible_texels", least / scale, greatest / scale);
-}
-
-void setSurfaces(const FrameSetup& setup, GlProgram& program) {
   // Hardware interpolates with eight bits, or as exactly as it likes: a little more than its error.
   constexpr double kFilterShare = 1.0 / 64;
   const LookUp& look_up = *setup.look_up;
+  const auto [least, greatest] = visibleValues(look_up);
   const double scale = valueScale(setup.type);
-  const double range = look_up.device_range.hi - look_up.device_range.lo;
+  program.set2("visible_texels", least / scale, greatest / scale);
+  const ValueRange &shown = look_up.device_range, &all = look_up.volume_range;
+  const double span = std::max(shown.hi, all.hi) - std::min(shown.lo, all.lo);
+  program.set("filter_tie", span * kFilterShare / scale);
+}
+
+void setSurfaces(const FrameSetup& setup, GlProgram& program) {
+  const LookUp& look_up = *setup.look_up;
+  const double scale = valueScale(setup.type);
   Floats levels, colors;
   for (const SurfaceLevel& surface : look_up.surfaces) {
     levels.add(surface.level / scale);
@@ -93,9 +96,7 @@ void setSurfaces(const FrameSetup& setup, GlProgram& program) {
   const auto count = static_cast<int>(look_up.surfaces.size());
   program.set1("surface_levels", levels.data(), count);
   program.set4("surface_colors", colors.data(), count);
-  program.set("surface_tie", range * kFilterShare / scale);
   program.set("place_origin", setup.rays.origin0 - placeBase(setup));
-  setVisible(setup, program);
 }
 
 // Sets the members that depend on how the frame is lit and on factors.
@@ -112,6 +113,9 @@ void chooseShading(const FrameSetup& setup, ShaderVariant& variant) {
   variant.gradient_rows = static_cast<int>(look_up.magnitudes.size());
   variant.factor_table = look_up.factors.size() > look_up.magnitudes.size();
   variant.corrects = variant.gradient_rows > 0 && (variant.perspective || setup.slice_length != 1);
+  // Between finite values the hardware's are off by little, but not next to those that stand for
+  // infinities or NaN.
+  variant.rough_first = variant.fetches && !variant.floats && !setup.shades_every_sample;
   if (!setup.lit && variant.gradient_rows == 0) return;
   variant.goes_ahead = variant.surfaces > 0 || !setup.shades_every_sample;
   const Vec3d cosines = axisCosines(setup);
@@ -134,7 +138,7 @@ double valueScale(DeviceType type) {
   return 1;
 }
 
-ShaderVariant frameVariant(const FrameSetup& setup) {
+ShaderVariant frameVariant(const FrameSetup& setup, bool fetches) {
   const ModeTraits& traits = traitsOf(setup.mode);
   const bool colors = traits.has_colors;
   ShaderVariant variant{.combining = traits.combining,
@@ -151,7 +155,8 @@ ShaderVariant frameVariant(const FrameSetup& setup) {
                         .codes_depth = traits.codes_depth,
                         .integrates = setup.integrates,
                         .cues_depth = setup.depth_cueing > 0,
-                        .jitters = setup.jitter > 0};
+                        .jitters = setup.jitter > 0,
+                        .fetches = fetches};
   if (colors) chooseShading(setup, variant);
   return variant;
 }
@@ -167,12 +172,12 @@ ShaderVariant viewVariant(const ShaderVariant& variant) {
 }
 
 void setShading(const FrameSetup& setup, const ShaderVariant& variant, GlProgram& program) {
+  if (variant.goes_ahead || variant.rough_first) setVisible(setup, program);
   if (variant.surfaces > 0) setSurfaces(setup, program);
   if (!variant.lit && variant.gradient_rows == 0) return;
   const auto& axes = setup.camera_gradient;
   program.set("index_slope", Vec3d{length(axes[0]), length(axes[1]), length(axes[2])});
   program.set("axis_cosines", axisCosines(setup));
-  setVisible(setup, program);
   if (variant.lit) setLights(setup, program);
   if (variant.gradient_rows == 0) return;
   const Floats rows = rowsOf(setup);

@@ -16,7 +16,8 @@ namespace sluice {
 double valueScale(DeviceType type);
 
 // The variant that draws the frame's boxes of chunks without spreads, whose texels are voxels.
-ShaderVariant frameVariant(const FrameSetup& setup);
+// `fetches`: ShaderVariant's.
+ShaderVariant frameVariant(const FrameSetup& setup, bool fetches);
 // The members of it that channels of one frame share.
 ShaderVariant viewVariant(const ShaderVariant& variant);
 

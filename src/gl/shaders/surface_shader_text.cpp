@@ -3,40 +3,15 @@
 namespace sluice {
 
 const char* const kSurfaceText = R"(
-#if SURFACES > 0 || CODES_DEPTH
-// The value at a place. The hardware's interpolation has a few bits a voxel, so the eight texels
-// are read one by one.
-float exactAtTexel(vec3 texel) {
-  ivec3 last = textureSize(chunk, 0) - 1;
-  texel = clamp(texel, vec3(0.0), vec3(last));
-  vec3 low = floor(texel);
-  vec3 t = texel - low;
-  ivec3 a = ivec3(low), b = min(a + 1, last);
-  vec4 lower = vec4(texelFetch(chunk, a, 0).r, texelFetch(chunk, ivec3(b.x, a.yz), 0).r,
-                   texelFetch(chunk, ivec3(a.x, b.y, a.z), 0).r,
-                   texelFetch(chunk, ivec3(b.xy, a.z), 0).r);
-  vec4 upper = vec4(texelFetch(chunk, ivec3(a.xy, b.z), 0).r,
-                  texelFetch(chunk, ivec3(b.x, a.y, b.z), 0).r,
-                  texelFetch(chunk, ivec3(a.x, b.yz), 0).r, texelFetch(chunk, b, 0).r);
-  vec4 plane = lower * (1.0 - t.z) + upper * t.z;
-  vec2 row = plane.xy * (1.0 - t.y) + plane.zw * t.y;
-  return row.x * (1.0 - t.x) + row.y * t.x;
-}
-float exactAt(vec3 at) { return exactAtTexel(at / texel_size - 0.5); }
-#endif
-
 #if SURFACES > 0
 uniform float surface_levels[SURFACES];  // texel values, ascending
 uniform vec4 surface_colors[SURFACES];   // premultiplied
-uniform float surface_tie;    // how much the hardware's interpolation may move a value
 uniform vec3 place_origin;    // of the rays' common origin, from placeBase()
-
-float placeValue(vec3 at) { return textureLod(chunk, at, 0.0).r; }
 
 // Whether an exact look at the values of both ends may find a level between them.
 bool mayMeet(float front, float back) {
   bool may = false;
-  float lo = min(front, back) - surface_tie, hi = max(front, back) + surface_tie;
+  float lo = min(front, back) - filter_tie, hi = max(front, back) + filter_tie;
   for (int i = 0; i < SURFACES; ++i)
     may = may || (surface_levels[i] >= lo && surface_levels[i] <= hi);
 #if FLOATS
@@ -53,7 +28,7 @@ float sharedEndAt(vec3 origin, vec3 step, float turn, vec3 at) {
   vec3 place = round((place_origin + origin + turn * step) * kGrid) / kGrid;
   vec3 local = textureOrder(place - round(box_lo + place_origin));
   vec3 corner = round(at / texel_size - 0.5 - local);
-  return exactAtTexel(corner + local);
+  return exactOf(corner + local).r;
 }
 
 bool meetsLevel(float front, float back, float level) {
@@ -71,7 +46,7 @@ float crossing(vec3 first, vec3 along, float h, float level, float lo, float val
   float hi = 1.0;
   for (int i = 0; i < 6; ++i) {
     float middle = 0.5 * (lo + hi);
-    float value = exactAt(first + (h + middle) * along);
+    float value = exactAt(first + (h + middle) * along).r;
     bool is_before = (value < level) == up;
     lo = is_before ? middle : lo;
     value_lo = is_before ? value : value_lo;
@@ -90,7 +65,7 @@ vec4 surfaceColor(vec3 at, float level, vec4 color, vec3 light_at) {
   for (int i = 0; i < 8; ++i) {
     vec3 side = vec3((i & 1) != 0 ? 1.0 : -1.0, (i & 2) != 0 ? 1.0 : -1.0,
                      (i & 4) != 0 ? 1.0 : -1.0);
-    float value = exactAt(at + 0.5 * side * texel_size);
+    float value = exactAt(at + 0.5 * side * texel_size).r;
 #if FLOATS
     if (IS_NO_NUMBER(vec3(value)).x) value = level;
 #endif

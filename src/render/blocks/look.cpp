@@ -10,6 +10,7 @@ namespace sluice {
 LookUp lookUp(const OpacityTable& table, double finest_spacing) {
   LookUp result;
   result.device_range = table.deviceRange();
+  result.volume_range = table.volumeRange();
   result.interpolates = table.mustInterpolate();
   result.rgba = table.rgba();
   for (const double magnitude : table.magnitudes())

@@ -1,0 +1,197 @@
+#include "src/gl/shaders/shader_text.h"
+
+namespace sluice {
+
+const char* const kTexelText = R"(
+uniform sampler3D chunk;
+
+// The eight texels around a place, in texels from the first one's centre.
+struct Corners {
+  ivec3 first, next;
+  vec3 part;  // of the way from the first to the next
+};
+Corners cornersOf(vec3 texel) {
+  ivec3 last = textureSize(chunk, 0) - 1;
+  vec3 low = floor(texel);
+  return Corners(clamp(ivec3(low), ivec3(0), last), clamp(ivec3(low) + 1, ivec3(0), last),
+                 texel - low);
+}
+Corners cornersAt(vec3 at) { return cornersOf(at / texel_size - 0.5); }
+bvec3 isNext(int corner) { return bvec3((corner & 1) != 0, (corner & 2) != 0, (corner & 4) != 0); }
+vec2 texelOf(Corners c, int corner) {
+  bvec3 next = isNext(corner);
+  return texelFetch(chunk, ivec3(next.x ? c.next.x : c.first.x, next.y ? c.next.y : c.first.y,
+                                 next.z ? c.next.z : c.first.z), 0).rg;
+}
+float weightOf(Corners c, int corner) {
+  vec3 w = mix(1.0 - c.part, c.part, isNext(corner));
+  return w.x * w.y * w.z;
+}
+
+// The two numbers of a texel, interpolated from the eight around it.
+vec2 exactOf(vec3 texel) {
+  Corners c = cornersOf(texel);
+  vec4 lower = vec4(texelOf(c, 0), texelOf(c, 1)) * (1.0 - c.part.z) +
+               vec4(texelOf(c, 4), texelOf(c, 5)) * c.part.z;
+  vec4 upper = vec4(texelOf(c, 2), texelOf(c, 3)) * (1.0 - c.part.z) +
+               vec4(texelOf(c, 6), texelOf(c, 7)) * c.part.z;
+  vec4 row = lower * (1.0 - c.part.y) + upper * c.part.y;
+  return row.xy * (1.0 - c.part.x) + row.zw * c.part.x;
+}
+vec2 exactAt(vec3 at) { return exactOf(at / texel_size - 0.5); }
+
+// The same from the hardware, which may move a value by `filter_tie`.
+uniform float filter_tie;
+vec2 roughAt(vec3 at) { return textureLod(chunk, at, 0.0).rg; }
+
+vec2 filteredAt(vec3 at) {
+#if FETCHES
+  return exactAt(at);
+#else
+  return roughAt(at);
+#endif
+}
+
+// The same for a sample: only about that if it shows nothing, or of labels, which labelAt() reads.
+vec2 texelAt(vec3 at) {
+#if LABELS
+  return roughAt(at);
+#elif ROUGH_FIRST
+  vec2 rough = roughAt(at);
+  bool may_show = rough.r >= visible.x - filter_tie && rough.r <= visible.y + filter_tie;
+#if SPREAD
+  may_show = may_show || rough.g > 0.0;
+#endif
+  if (may_show) return exactAt(at);
+  return rough;
+#else
+  return filteredAt(at);
+#endif
+}
+
+#if LABELS
+#if SHARES
+uniform float share_unit;    // 1 / the second number of a texel none of which has the label
+#endif
+// The value that has the greatest weight among the eight texels around, see LookUp; and, if chunks
+// have shares, its mean share in those that have it.
+vec2 labelAt(vec3 at) {
+  const float kTie = 1e-3;
+  Corners c = cornersAt(at);
+  float values[8];
+  float weights[8];
+#if SHARES
+  float others[8];
+#endif
+  for (int i = 0; i < 8; ++i) {
+    vec2 both = texelOf(c, i);
+    values[i] = both.r;
+#if SHARES
+    others[i] = both.g;
+#endif
+    weights[i] = weightOf(c, i);
+  }
+  float best = values[0], most = -1.0;
+  for (int i = 0; i < 8; ++i) {
+    float weight = 0.0;
+    for (int k = 0; k < 8; ++k) weight += values[k] == values[i] ? weights[k] : 0.0;
+    if (weight > most + kTie || (weight > most - kTie && values[i] > best)) {
+      best = values[i];
+      most = weight;
+    }
+  }
+#if SHARES
+  float whole = 0.0, lost = 0.0;
+  for (int i = 0; i < 8; ++i)
+    if (values[i] == best) {
+      whole += weights[i];
+      lost += weights[i] * others[i];
+    }
+  return vec2(best, 1.0 - clamp(lost * share_unit / max(whole, 1e-20), 0.0, 1.0));
+#else
+  return vec2(best, 1.0);
+#endif
+}
+#endif
+
+#if PLANES && FLOATS
+// On a voxel plane the voxels beside it have no part, but rounding gives them one, and of a texel
+// that stands for NaN the least is too much: here it is none.
+float valueOnPlane(vec3 at) {
+  const float kRounding = 1e-4;
+  vec3 texel = at / texel_size - 0.5;
+  vec3 nearest = round(texel);
+  return exactOf(mix(texel, nearest, lessThan(abs(texel - nearest), vec3(kRounding)))).r;
+}
+#endif
+
+#if GRADIENTS
+#if FETCHES
+// The values at a texel before and behind a place along an axis. Along the others there are four
+// rows of texels, in the order of `part`'s components; of each, the texels around both values.
+vec2 neighbors(vec4 first, vec4 second, vec4 third, vec4 fourth, float along, vec2 part) {
+  vec4 before = first * (1.0 - along) + second * along;
+  vec4 after = third * (1.0 - along) + fourth * along;
+  vec2 weights[2] = vec2[2](vec2(1.0 - part.x, part.x), vec2(1.0 - part.y, part.y));
+  vec4 weight = weights[0].xyxy * weights[1].xxyy;
+  return vec2(dot(before, weight), dot(after, weight));
+}
+#endif
+// From one voxel to the next, along the texture's axes. On software GL the reads beyond the first
+// are half of a lit frame, so that gradients kept with the voxels could save that at most; they
+// would need 16 bits a component and take eight times the bytes of 8-bit data at every level.
+vec3 differenceAt(vec3 at) {
+#if FETCHES
+  ivec3 last = textureSize(chunk, 0) - 1;
+  vec3 texel = at / texel_size - 0.5;
+  vec3 low = floor(texel), part = texel - low;
+  ivec3 i[4];
+  for (int n = 0; n < 4; ++n) i[n] = clamp(ivec3(low) + (n - 1), ivec3(0), last);
+#define VALUE(a, b, c) texelFetch(chunk, ivec3(i[a].x, i[b].y, i[c].z), 0).r
+#define ROWS_X(n) vec4(VALUE(n, 1, 1), VALUE(n, 2, 1), VALUE(n, 1, 2), VALUE(n, 2, 2))
+#define ROWS_Y(n) vec4(VALUE(1, n, 1), VALUE(2, n, 1), VALUE(1, n, 2), VALUE(2, n, 2))
+#define ROWS_Z(n) vec4(VALUE(1, 1, n), VALUE(2, 1, n), VALUE(1, 2, n), VALUE(2, 2, n))
+  vec4 lower = ROWS_Z(1), upper = ROWS_Z(2);  // the eight texels around the place
+  vec2 x = neighbors(ROWS_X(0), vec4(lower.xz, upper.xz), vec4(lower.yw, upper.yw), ROWS_X(3),
+                     part.x, part.yz);
+  vec2 y = neighbors(ROWS_Y(0), vec4(lower.xy, upper.xy), vec4(lower.zw, upper.zw), ROWS_Y(3),
+                     part.y, part.xz);
+  vec2 z = neighbors(ROWS_Z(0), lower, upper, ROWS_Z(3), part.z, part.xy);
+#undef VALUE
+#undef ROWS_X
+#undef ROWS_Y
+#undef ROWS_Z
+  vec3 before = vec3(x.x, y.x, z.x), after = vec3(x.y, y.y, z.y);
+#else
+  vec2 n = vec2(1.0, 0.0);
+  vec3 after = vec3(roughAt(at + n.xyy * texel_size).r, roughAt(at + n.yxy * texel_size).r,
+                    roughAt(at + n.yyx * texel_size).r);
+  vec3 before = vec3(roughAt(at - n.xyy * texel_size).r, roughAt(at - n.yxy * texel_size).r,
+                     roughAt(at - n.yyx * texel_size).r);
+#endif
+  vec3 difference = 0.5 * (after - before);
+#if FLOATS
+  // A neighbour that is no number says nothing of the slope along its axis.
+  difference = mix(difference, vec3(0.0), IS_NO_NUMBER(min(after, before)));
+#endif
+  return difference;
+}
+#endif
+
+#if SPREAD
+uniform vec4 expected_line;  // of a mean: scale, offset; of a spread: scale, rows
+// The spread at a place, as its share of the volume's values; see ExpectedLook for its squares. The
+// hardware interpolates what it reads, so the texels are read one by one.
+float spreadShareAt(vec3 at) {
+  Corners c = cornersAt(at);
+  float square = 0.0;
+  for (int i = 0; i < 8; ++i) {
+    float share = max(texelOf(c, i).g, 0.0) * expected_line.z;
+    square += weightOf(c, i) * share * share;
+  }
+  return sqrt(square);
+}
+#endif
+)";
+
+}  // namespace sluice
