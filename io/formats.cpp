@@ -25,6 +25,7 @@
 #include "io/slices/slice_picture.h"
 #include "io/slices/slice_stack.h"
 #include "io/stores/folder_store.h"
+#include "io/stores/zip_store.h"
 #include "io/synth/synth_source.h"
 #include "io/vdb/vdb_series.h"
 #include "io/vdb/vdb_source.h"
@@ -188,8 +189,14 @@ ChunkedOptions chunkedOptions(const OpenOptions& options) {
   return {.channel = options.channel, .chunk_cache_bytes = options.chunk_cache_bytes};
 }
 
+const StorePlace& storeOf(const NamedInput& input) {
+  if (!input.store)
+    fail("{}: expected a folder or a zip file, found a file of another kind", input.file.string());
+  return *input.store;
+}
+
 Source openZarr(const NamedInput& input, const OpenOptions& options) {
-  return std::make_unique<ZarrSource>(*input.store, chunkedOptions(options));
+  return std::make_unique<ZarrSource>(storeOf(input), chunkedOptions(options));
 }
 
 bool isN5Store(const NamedInput& input, const OpenOptions& /*options*/) {
@@ -197,7 +204,7 @@ bool isN5Store(const NamedInput& input, const OpenOptions& /*options*/) {
 }
 
 Source openN5(const NamedInput& input, const OpenOptions& options) {
-  return std::make_unique<ChunkedSource>(n5Volume(*input.store), chunkedOptions(options));
+  return std::make_unique<ChunkedSource>(n5Volume(storeOf(input)), chunkedOptions(options));
 }
 
 // One row a format. The first that holds the content opens it, or else the first that has the name.
@@ -259,7 +266,7 @@ std::vector<Format> makeFormats() {
       {.name = "Zarr",
        .plural = "Zarr stores",
        .takes = {.channel = true},
-       .endings = {".zarr"},
+       .endings = {".zarr", ".zip", ".ozx"},
        .holds = isZarrStore,
        .open = openZarr},
       {.name = "N5",
@@ -346,9 +353,11 @@ NamedInput lookAt(const std::string& name, const OpenOptions& options) {
   std::array<std::byte, 4096> bytes{};
   File file(input.file);
   input.head.assign(reinterpret_cast<const char*>(bytes.data()), file.readSome(0, bytes));
-  if (!input.inside.empty() && !isHdf5(input.head))
-    fail("{}: expected an HDF5 file in front of ':{}', found another kind", input.file.string(),
-         input.inside);
+  if (isZip(input.head))
+    input.store = zipPlace(input.file, input.inside);
+  else if (!input.inside.empty() && !isHdf5(input.head))
+    fail("{}: expected an HDF5 or zip file in front of ':{}', found another kind",
+         input.file.string(), input.inside);
   return input;
 }
 
@@ -361,6 +370,12 @@ const Format& formatOf(const NamedInput& input, const OpenOptions& options) {
         "{}: expected a Zarr or N5 store, found none of zarr.json, .zarray, .zgroup and "
         "attributes.json there; download files of other kinds first",
         input.store->name());
+  if (input.store && !input.is_folder)
+    fail(
+        "{}: expected a Zarr or N5 store in the zip file, found none of zarr.json, .zarray, "
+        ".zgroup and attributes.json there; name the folder that has it, as in '{}:/FOLDER', or "
+        "unpack the file",
+        input.store->name(), input.file.string());
   for (const Format& format : formats()) {
     if (isNamed(format, input, options)) return format;
   }

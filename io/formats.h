@@ -22,7 +22,7 @@ struct NamedInput {
   std::filesystem::path
       file;  // a file or folder of this machine; empty: an address, a synthetic volume
   bool is_folder = false;
-  std::optional<StorePlace> store;  // a folder or an address
+  std::optional<StorePlace> store;  // a folder, an address, or what is in a zip file
   std::string inside;  // the path of a data set inside the file, after its name and ':'
   std::string head;    // the first bytes of a file, at most 4096
 };

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include "io/formats.h"
 #include "io/pictures/png_file.h"
 #include "tests/io/image_test_support.h"
 #include "tests/support/vdb_writer.h"
@@ -31,6 +32,29 @@ TEST(OpenVolume, knowsAFileByItsFirstBytesWhateverItsName) {
   EXPECT_EQ(openVolume((folder / "b.vdb").string())->layout().dims, (Vec3i{4, 3, 1}));
   EXPECT_EQ(valueAt<uint8_t>(*openVolume((folder / "c.txt").string()), {1, 0, 0}), '2');
   EXPECT_EQ(valueAt<uint8_t>(*openVolume((folder / "d").string()), {1, 0, 0}), '2');
+}
+
+// A folder, an empty file and files of other kinds by the name of each format.
+TEST(OpenVolume, refusesWhatItsNameDoesNotHold) {
+  const TempFolder folder;
+  const std::string junk(5000, '\x7f');
+  for (const std::string_view ending : volumeEndings()) {
+    const auto refuses = [&](std::string_view kind, const std::string* bytes) {
+      const auto path = folder / fmt::format("{}{}", kind, ending);
+      if (bytes == nullptr)
+        std::filesystem::create_directory(path);
+      else
+        writeFile(path, *bytes);
+      const std::string refusal = errorOf([&] { openVolume(path.string()); });
+      EXPECT_THAT(refusal, HasSubstr(path.filename().string() + ": "));
+      EXPECT_EQ(std::ranges::count(refusal, '\n'), 0);
+    };
+    const std::string none, zip = "PK\3\4" + junk;
+    refuses("folder", nullptr);
+    refuses("empty", &none);
+    refuses("junk", &junk);
+    refuses("zip", &zip);
+  }
 }
 
 TEST(OpenVolume, takesRawFilesFromTheirNamesOrTheOptions) {

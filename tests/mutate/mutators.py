@@ -26,7 +26,7 @@ def apply(rng, kind, folder):
         files = [p for p in files if p.suffix == ".json"]
     path = rng.choice(files)
     ways = {"nrrd": [text_field], "meta": [text_field], "nifti": [nifti_field], "tiff": [tiff_tag, tiff_tag, tiff_text], "png": [png_header, png_chunk],
-            "zarr": [json_member, json_member], "n5": [json_member, json_member, words], "ome": [tiff_tag, tiff_text, xml_value, xml_value], "vtk": [text_field, xml_value, words], "hdf5": [words, words, xml_value], "json": [json_member, json_member, json_text], "vdb": [vdb_field, vdb_field, words], "dicom": [dicom_element, dicom_element, words], "index": [words], "trace": [text_field, words],
+            "zarr": [json_member, json_member], "n5": [json_member, json_member, words], "zip": [words, words], "ome": [tiff_tag, tiff_text, xml_value, xml_value], "vtk": [text_field, xml_value, words], "hdf5": [words, words, xml_value], "json": [json_member, json_member, json_text], "vdb": [vdb_field, vdb_field, words], "dicom": [dicom_element, dicom_element, words], "index": [words], "trace": [text_field, words],
             "raw": [words]}[kind]
     way = rng.choice(ways + [damage])
     if rng.random() < 0.03:

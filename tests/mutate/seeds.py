@@ -12,6 +12,7 @@ import shutil
 import struct
 import subprocess
 import tempfile
+import zipfile
 import zlib
 
 Case = collections.namedtuple("Case", "kind name arguments")
@@ -224,6 +225,12 @@ def zarrs(m):
     f = m.folder("zarr-packed")
     m.run(f, "pack", "synth:shells,dims=20x20x20", "-o", "v.zarr", "--codec", "zstd")
     m.case("zarr", "zarr-packed", "render", "v.zarr", *DRAW)
+    for name, method in ("stored", zipfile.ZIP_STORED), ("deflated", zipfile.ZIP_DEFLATED):
+        with zipfile.ZipFile(m.folder(f"zip-{name}") / "v.zip", "w", method) as out:
+            for path in sorted((f / "v.zarr").rglob("*")):
+                if path.is_file():
+                    out.write(path, path.relative_to(f))
+        m.case("zip", f"zip-{name}", "render", "v.zip", *DRAW)
     f = m.folder("zarr-shards")
     m.run(f, "pack", "synth:shells,dims=20x20x20", "-o", "v.zarr", "--zarr", "3", "--chunk", "8", "--shard", "16", "--levels", "1")
     m.case("zarr", "zarr-shards", "render", "v.zarr", *DRAW)

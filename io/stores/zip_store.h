@@ -1,0 +1,45 @@
+// The files in a zip file as a ChunkStore: a key is a path in it. Stored entries are read in
+// parts; deflated ones are decoded from their start on each time.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "io/files/file.h"
+#include "io/stores/chunk_store.h"
+#include "io/stores/zip_directory.h"
+
+namespace sluice {
+
+class ZipStore final : public ChunkStore {
+ public:
+  // Throws Error: see ZipDirectory.
+  explicit ZipStore(const std::filesystem::path& path);
+
+  std::string wholeKey(const std::string& key) const override;
+  std::string nameOf(const std::string& key) const override {
+    return key.empty() ? file_.path() : file_.path() + '/' + key;
+  }
+  bool has(const std::string& key) override;
+  bool read(const std::string& key, const PieceBytes& wanted, const Room& room) override;
+  // The zip file's identity: all of them change together.
+  std::string stampOf(const std::string& key) override;
+  bool canList() const override { return true; }
+  void list(const std::string& folder,
+            const std::function<void(const Entry& entry)>& take) override;
+
+ private:
+  // Where the bytes of an entry begin. Throws Error: its own header is damaged.
+  uint64_t contentAt(const ZipEntry& entry);
+  // Decodes the entry up to the end of `out`, whose first byte is number `from` of it.
+  void inflateInto(const ZipEntry& entry, uint64_t from, std::span<std::byte> out);
+
+  File file_;
+  const ZipDirectory directory_;
+  const std::string identity_;
+};
+
+// The volume in a zip file: `inside`, or if that is empty its root, or the only folder there.
+StorePlace zipPlace(const std::filesystem::path& path, const std::string& inside);
+
+}  // namespace sluice
