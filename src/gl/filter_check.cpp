@@ -52,9 +52,10 @@ bool filtersExactly(const GlFunctions& gl) {
   pool.giveBack(texture, kTwo, format);
 
   double largest = 0;
-  for (int i = 0; i < kSamples; ++i)
-    largest =
-        std::max(largest, std::abs(values[static_cast<size_t>(4 * i)] - (i + 0.5) / kSamples));
+  for (size_t i = 0; i < kSamples; ++i) {
+    const double part = (static_cast<double>(i) + 0.5) / kSamples;
+    largest = std::max(largest, std::abs(values[4 * i] - part));
+  }
   return largest < kExact;
 }
 

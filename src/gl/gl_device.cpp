@@ -18,10 +18,6 @@ constexpr size_t kBoxesPerDraw = 65536 / kTexelsPerBox;
 // Texture units; 1, those from 3 to 5, 7 and 8 belong to LookTextures.
 constexpr GLenum kChunkUnit = 0, kKeptUnit = 6;
 
-std::array<float, 3> asFloats(Vec3d v) {
-  return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
-}
-
 constexpr Vec3d kOne{1, 1, 1};
 
 bool haveOneScale(const BoxDraw& a, const BoxDraw& b) {
@@ -118,36 +114,10 @@ void GlDevice::setBlending(Combining combining) {
   gl_.BlendFunc(combining == Combining::kBlend ? GL_ONE_MINUS_DST_ALPHA : GL_ONE, GL_ONE);
 }
 
-void GlDevice::setView(GlProgram& program) {
-  const RayGrid& rays = setup_.rays;
+void GlDevice::setFrameView(GlProgram& program) {
   program.set("boxes", static_cast<int>(kBoxUnit));
-  program.set("first_row", static_cast<double>(frame_rows_.lo));
-  program.set("view_origin_dx", rays.origin_dx);
-  program.set("view_origin_dy", rays.origin_dy);
-  program.set("view_step0", rays.step0);
-  program.set("view_step_dx", rays.step_dx);
-  program.set("view_step_dy", rays.step_dy);
-  program.set("view_first_slice", static_cast<double>(setup_.first_slice));
-  program.set("planes_a_voxel", static_cast<double>(setup_.planes_a_voxel));
-  program.set("end_margin", endMargin(setup_.planes_a_voxel));
-  program.set("opacity_threshold", setup_.opacity_threshold);
-  program.set("view_first_depth", setup_.first_depth);
-  program.set("view_depth_step", setup_.depth_step);
-  const double ux = 2 * setup_.tan_half_x / setup_.size.width;
-  const double vy = 2 * setup_.tan_half_y / setup_.size.height;
-  const std::array<float, 4> pixel_ray = {
-      static_cast<float>(ux), static_cast<float>(-setup_.tan_half_x), static_cast<float>(vy),
-      static_cast<float>(-setup_.tan_half_y)};
-  program.set4("view_pixel_ray", pixel_ray.data(), 1);
-  if (setup_.depth_cueing > 0) setCueing(setup_, program);
-  std::vector<float> planes;
-  for (const ClipPlane& plane : setup_.clip_planes) {
-    for (const float v : asFloats(plane.normal)) planes.push_back(v);
-    planes.push_back(static_cast<float>(plane.offset - dot(plane.normal, rays.origin0)));
-  }
+  setView(setup_, frame_rows_, program);
   if (setup_.jitter > 0) look_.setJitter(setup_, program);
-  if (!planes.empty())
-    program.set4("clip_planes", planes.data(), static_cast<int>(setup_.clip_planes.size()));
 }
 
 void GlDevice::bindTarget() {
@@ -214,11 +184,11 @@ void GlDevice::beginFrame(const FrameSetup& setup, const StopToken& stop) {
   if (setup_.others.empty())
     frameProgram(kOne, false);
   else
-    setView(blended_.begin(setup_, fetches_));
+    setFrameView(blended_.begin(setup_, fetches_));
 }
 
 void GlDevice::setFrame(GlProgram& program) {
-  setView(program);
+  setFrameView(program);
   program.set("chunk", static_cast<int>(kChunkUnit));
   look_.setLookUp(setup_, variant_, program);
   const ModeTraits& traits = traitsOf(setup_.mode);
@@ -366,7 +336,7 @@ uint64_t GlDevice::countSamples(std::span<const BoxDraw> boxes) {
     const Vec3d scale = boxes[0].texels.indexScale();
     counting.scaled = scale != kOne;
     GlProgram& program = programFor(counting);
-    setView(program);
+    setFrameView(program);
     if (counting.scaled) program.set("texel_scale", scale);
     drawBoxes(boxes.first(count));
     gl_.Finish();  // else software GL keeps its data of all of them

@@ -71,7 +71,7 @@ class GlDevice : public Device, public DrawsForScreens, public DrawsRows {
   GlProgram& frameProgram(Vec3d scale, bool has_spread);
   // Tells a program of the frame all that no box changes.
   void setFrame(GlProgram& program);
-  void setView(GlProgram& program);
+  void setFrameView(GlProgram& program);
   void setBlending(Combining combining);
   // Restores the state of beginFrame() after another pass.
   void bindTarget();

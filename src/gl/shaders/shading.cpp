@@ -171,6 +171,32 @@ ShaderVariant viewVariant(const ShaderVariant& variant) {
           .jitters = variant.jitters};
 }
 
+void setView(const FrameSetup& setup, PictureRows rows, GlProgram& program) {
+  const RayGrid& rays = setup.rays;
+  program.set("first_row", static_cast<double>(rows.lo));
+  program.set("view_origin_dx", rays.origin_dx);
+  program.set("view_origin_dy", rays.origin_dy);
+  program.set("view_step0", rays.step0);
+  program.set("view_step_dx", rays.step_dx);
+  program.set("view_step_dy", rays.step_dy);
+  program.set("view_first_slice", static_cast<double>(setup.first_slice));
+  program.set("planes_a_voxel", static_cast<double>(setup.planes_a_voxel));
+  program.set("end_margin", endMargin(setup.planes_a_voxel));
+  program.set("opacity_threshold", setup.opacity_threshold);
+  program.set("view_first_depth", setup.first_depth);
+  program.set("view_depth_step", setup.depth_step);
+  const double ux = 2 * setup.tan_half_x / setup.size.width;
+  const double vy = 2 * setup.tan_half_y / setup.size.height;
+  const Floats pixel_ray = Floats().add(ux).add(-setup.tan_half_x).add(vy).add(-setup.tan_half_y);
+  program.set4("view_pixel_ray", pixel_ray.data(), 1);
+  if (setup.depth_cueing > 0) setCueing(setup, program);
+  Floats planes;
+  for (const ClipPlane& plane : setup.clip_planes)
+    planes.add(plane.normal).add(plane.offset - dot(plane.normal, rays.origin0));
+  if (!setup.clip_planes.empty())
+    program.set4("clip_planes", planes.data(), static_cast<int>(setup.clip_planes.size()));
+}
+
 void setShading(const FrameSetup& setup, const ShaderVariant& variant, GlProgram& program) {
   if (variant.goes_ahead || variant.rough_first) setVisible(setup, program);
   if (variant.surfaces > 0) setSurfaces(setup, program);

@@ -1,12 +1,13 @@
-// The uniforms for gradients, lights and factors (src/device/lighting.h) in the shaders' units:
-// texel values, and differences along the volume's axes instead of directions, so that a sample is
-// lit without turning its gradient into the world. Pure functions.
+// The uniforms for the view, and for gradients, lights and factors (src/device/lighting.h) in the
+// shaders' units: texel values, and differences along the volume's axes instead of directions, so
+// that a sample is lit without turning its gradient into the world. Pure functions.
 #pragma once
 
 #include <array>
 #include <vector>
 
 #include "src/device/frame_values.h"
+#include "src/device/picture_rows.h"
 #include "src/gl/shaders/gl_program.h"
 #include "src/gl/shaders/shaders.h"
 
@@ -20,6 +21,10 @@ double valueScale(DeviceType type);
 ShaderVariant frameVariant(const FrameSetup& setup, bool fetches);
 // The members of it that channels of one frame share.
 ShaderVariant viewVariant(const ShaderVariant& variant);
+
+// Sets what the view is, but for its noise (FrameSetup::jitter). `rows`: those of the picture that
+// the target has. Requires: the program is in use.
+void setView(const FrameSetup& setup, PictureRows rows, GlProgram& program);
 
 // Sets the uniforms of such a variant. Requires: the program is in use.
 void setShading(const FrameSetup& setup, const ShaderVariant& variant, GlProgram& program);
