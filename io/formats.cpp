@@ -345,8 +345,14 @@ NamedInput lookAt(const std::string& name, const OpenOptions& options) {
     input.file = name.substr(0, end);
     input.inside = name.substr(end + 1);
   }
-  input.is_folder = fs::is_directory(input.file);
+  input.is_folder = fs::is_directory(input.file, missing);
   if (input.is_folder) {
+    if (!input.inside.empty())
+      fail(
+          "{}: expected an HDF5 or zip file in front of ':{}', found a folder; name the folder in "
+          "it, "
+          "'{}{}'",
+          input.file.string(), input.inside, input.file.string(), input.inside);
     input.store = folderPlace(input.file);
     return input;
   }

@@ -24,7 +24,8 @@ StorePlace StorePlace::around() const {
 }
 
 std::string StorePlace::lastPart() const {
-  const std::string whole = trimmed(store->wholeKey(key));
+  std::string whole = trimmed(store->wholeKey(key));
+  if (whole.empty()) whole = trimmed(store->nameOf(whole));
   return whole.substr(whole.rfind('/') + 1);
 }
 

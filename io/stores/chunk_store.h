@@ -90,7 +90,7 @@ struct StorePlace {
   StorePlace at(const std::string& below) const;
   // The folder around it; itself where there is none.
   StorePlace around() const;
-  // The last part of its key.
+  // The last part of its key; of the store's name if the key is empty.
   std::string lastPart() const;
 
   std::string name() const { return store->nameOf(key); }

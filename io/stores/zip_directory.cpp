@@ -65,8 +65,11 @@ DirectoryPlace findDirectory(File& file) {
   file.readAt(size - tail.size(), tail);
   const std::optional<uint64_t> found = endIn(tail);
   if (!found)
-    fail("{}: expected a zip file's list of files at its end, found none; it was cut short",
-         file.path());
+    fail(
+        "{}: expected a zip file's list of files at its end, found other bytes; it was cut short, "
+        "or "
+        "bytes were added behind it: write or fetch it again",
+        file.path());
   const auto end = std::span<const std::byte>(tail).subspan(*found);
   const uint64_t end_at = size - end.size();
   const auto parts = numberAt<uint16_t>(end, 4);
@@ -96,16 +99,21 @@ ZipDirectory::ZipDirectory(File& file) {
   const DirectoryPlace place = findDirectory(file);
   bytes_.resize(place.bytes);
   file.readAt(place.offset, bytes_);
-  for (uint64_t at = 0, read = 0; read < place.entries; ++read) {
+  uint64_t read = 0;
+  for (uint64_t at = 0; at < bytes_.size(); ++read) {
     const uint64_t left = bytes_.size() - at;
     if (left < kEntryBytes || numberAt<uint32_t>(bytes_, at) != kEntryMark)
-      fail("{}: expected {} entries in the list of files, found other bytes after {}", file.path(),
-           place.entries, read);
+      fail(
+          "{}: expected {} entries in the list of files, found other bytes after {}; write or "
+          "fetch it again",
+          file.path(), place.entries, read);
     const uint64_t all = kEntryBytes + numberAt<uint16_t>(bytes_, at + 28) +
                          numberAt<uint16_t>(bytes_, at + 30) + numberAt<uint16_t>(bytes_, at + 32);
     if (all > left)
-      fail("{}: expected entry {} of the list of files within it, found it cut short", file.path(),
-           read);
+      fail(
+          "{}: expected entry {} of the list of files within it, found it cut short; write or "
+          "fetch it again",
+          file.path(), read);
     const ZipEntry entry = entryAt(at);
     if (!entry.key.empty() && !entry.key.ends_with('/')) {
       constexpr uint16_t kEncrypted = 1;
@@ -127,6 +135,10 @@ ZipDirectory::ZipDirectory(File& file) {
     }
     at += all;
   }
+  // Some writers count in 16 bits alone.
+  if (read != place.entries && (place.entries > kWide16 || (read & kWide16) != place.entries))
+    fail("{}: expected {} entries in the list of files, found {}; write or fetch it again",
+         file.path(), place.entries, read);
   std::ranges::stable_sort(entries_, {}, [this](uint64_t at) { return entryAt(at).key; });
   // Of equal ones the last: a writer that replaces an entry appends another.
   const auto same = [this](uint64_t a, uint64_t b) { return entryAt(a).key == entryAt(b).key; };
@@ -138,13 +150,17 @@ ZipEntry ZipDirectory::entryAt(uint64_t offset) const {
   const std::span<const std::byte> bytes = std::span(bytes_).subspan(offset);
   const auto key_bytes = numberAt<uint16_t>(bytes, 28), extra_bytes = numberAt<uint16_t>(bytes, 30);
   ZipEntry entry{
-      .key = {reinterpret_cast<const char*>(bytes.data()) + kEntryBytes, key_bytes},
+      .name = {reinterpret_cast<const char*>(bytes.data()) + kEntryBytes, key_bytes},
+      .key = {},
       .is_deflated = numberAt<uint16_t>(bytes, 10) == 8,
       .checksum = numberAt<uint32_t>(bytes, 16),
       .stored_bytes = numberAt<uint32_t>(bytes, 20),
       .bytes = numberAt<uint32_t>(bytes, 24),
       .header_at = numberAt<uint32_t>(bytes, 42),
   };
+  entry.key = entry.name;
+  for (const std::string_view before : {"./", "/"})
+    while (entry.key.starts_with(before)) entry.key.remove_prefix(before.size());
   // Numbers that do not fit into 32 bits, in this order, those that do left out.
   std::span<const std::byte> extra = bytes.subspan(kEntryBytes + key_bytes, extra_bytes);
   while (extra.size() >= 4) {

@@ -16,7 +16,8 @@ namespace sluice {
 bool isZip(std::string_view head);
 
 struct ZipEntry {
-  std::string_view key;  // '/' between its parts
+  std::string_view name;  // as it stands in the zip file
+  std::string_view key;   // the same without "./" or "/" in front; '/' between its parts
   bool is_deflated = false;
   uint32_t checksum = 0;                 // CRC-32 of the decoded bytes
   uint64_t stored_bytes = 0, bytes = 0;  // in the zip file, and decoded
@@ -26,7 +27,7 @@ struct ZipEntry {
 // Constant after construction. Takes the memory of the directory and eight bytes an entry.
 class ZipDirectory {
  public:
-  static constexpr uint64_t kMostBytes = 128 << 20;
+  static constexpr uint64_t kMostBytes = 32 << 20;
 
   // Throws Error: the directory is damaged or longer than kMostBytes, the zip file has several
   // parts, or an entry is encrypted or neither stored nor deflated.

@@ -14,6 +14,8 @@ namespace {
 
 constexpr uint32_t kHeaderMark = 0x04034b50;
 constexpr uint64_t kHeaderBytes = 30;
+// Of longer entries no part is read if they are deflated: each would be decoded from its start on.
+constexpr uint64_t kMostDecodedAgain = 4 << 20;
 
 // A stream of deflated bytes without a header.
 struct RawInflate {
@@ -46,17 +48,24 @@ bool ZipStore::has(const std::string& key) {
 }
 
 uint64_t ZipStore::contentAt(const ZipEntry& entry) {
-  std::array<std::byte, kHeaderBytes> header{};
-  file_.readAt(entry.header_at, header);
+  const std::string name = nameOf(std::string(entry.key));
+  std::vector<std::byte> header(kHeaderBytes + entry.name.size());
+  const uint64_t file_bytes = file_.sizeBytes();
   uint32_t mark = 0;
-  std::array<uint16_t, 2> lengths{};  // of the key, and of what follows it
-  std::memcpy(&mark, header.data(), sizeof(mark));
-  std::memcpy(lengths.data(), header.data() + 26, sizeof(lengths));
+  std::array<uint16_t, 2> lengths{};  // of the name, and of what follows it
+  if (header.size() <= file_bytes - entry.header_at) {
+    file_.readAt(entry.header_at, header);
+    std::memcpy(&mark, header.data(), sizeof(mark));
+    std::memcpy(lengths.data(), header.data() + 26, sizeof(lengths));
+  }
   const uint64_t at = entry.header_at + kHeaderBytes + lengths[0] + lengths[1];
-  if (mark != kHeaderMark ||
-      at > file_.sizeBytes() - std::min(entry.stored_bytes, file_.sizeBytes()))
-    fail("{}: expected its header and {} bytes at {}, found other bytes",
-         nameOf(std::string(entry.key)), entry.stored_bytes, entry.header_at);
+  const auto is_named = [&] {
+    return lengths[0] == entry.name.size() &&
+           std::memcmp(header.data() + kHeaderBytes, entry.name.data(), entry.name.size()) == 0;
+  };
+  if (mark != kHeaderMark || !is_named() || at > file_bytes || entry.stored_bytes > file_bytes - at)
+    fail("{}: expected its header and {} bytes at {}, found other bytes; write or fetch it again",
+         name, entry.stored_bytes, entry.header_at);
   return at;
 }
 
@@ -92,11 +101,12 @@ void ZipStore::inflateInto(const ZipEntry& entry, uint64_t from, std::span<std::
     const bool goes_on = status == Z_OK && (got > 0 || stream.avail_in == 0) &&
                          (got > 0 || taken < entry.stored_bytes);
     if (!goes_on && decoded < from + out.size())
-      fail("{}: expected {} bytes once decoded, found damage after {}", name, entry.bytes, decoded);
+      fail("{}: expected {} bytes once decoded, found damage after {}; write or fetch it again",
+           name, entry.bytes, decoded);
   }
   if (decoded == entry.bytes && checksum != entry.checksum)
-    fail("{}: expected the checksum {:08x}, found {:08x}; it is damaged", name, entry.checksum,
-         checksum);
+    fail("{}: expected the checksum {:08x}, found {:08x}; write or fetch it again", name,
+         entry.checksum, checksum);
 }
 
 bool ZipStore::read(const std::string& key, const PieceBytes& wanted, const Room& room) {
@@ -109,6 +119,11 @@ bool ZipStore::read(const std::string& key, const PieceBytes& wanted, const Room
          entry->bytes);
   if (wanted.from == PieceBytes::From::kEnd) from = entry->bytes - out.size();
   if (entry->is_deflated) {
+    if (out.size() < entry->bytes && entry->bytes > kMostDecodedAgain)
+      fail(
+          "{}: expected an entry that is stored, of which parts are read, found {} deflated bytes; "
+          "unpack the zip file, or make it without compression",
+          nameOf(key), entry->bytes);
     inflateInto(*entry, from, out);
     return true;
   }
@@ -117,7 +132,7 @@ bool ZipStore::read(const std::string& key, const PieceBytes& wanted, const Room
   uLong checksum = crc32(0, nullptr, 0);
   checksum = crc32_z(checksum, reinterpret_cast<const Bytef*>(out.data()), out.size());
   if (checksum != entry->checksum)
-    fail("{}: expected the checksum {:08x}, found {:08x}; it is damaged", nameOf(key),
+    fail("{}: expected the checksum {:08x}, found {:08x}; write or fetch it again", nameOf(key),
          entry->checksum, checksum);
   return true;
 }
@@ -144,10 +159,18 @@ StorePlace zipPlace(const std::filesystem::path& path, const std::string& inside
   StorePlace place{std::make_shared<ZipStore>(path), ""};
   place.key = place.store->wholeKey(inside);
   if (!place.key.empty()) return place;
-  std::vector<ChunkStore::Entry> entries;
-  place.store->list("", [&](const ChunkStore::Entry& entry) { entries.push_back(entry); });
-  if (entries.size() == 1 && entries.front().is_folder) return place.at(entries.front().name);
-  return place;
+  // Down to the first folder that holds more than one: people zip the folder around a store, too.
+  constexpr std::array kMetadata{"zarr.json", ".zgroup", ".zarray", ".zattrs", "attributes.json"};
+  for (;;) {
+    if (std::ranges::any_of(kMetadata, [&](const char* name) { return place.has(name); }))
+      return place;
+    std::vector<std::string> folders;
+    place.store->list(place.key, [&](const ChunkStore::Entry& entry) {
+      if (entry.is_folder && entry.name != "__MACOSX") folders.push_back(entry.name);
+    });
+    if (folders.size() != 1) return place;
+    place = place.at(folders.front());
+  }
 }
 
 }  // namespace sluice

@@ -1,5 +1,6 @@
 // The files in a zip file as a ChunkStore: a key is a path in it. Stored entries are read in
-// parts; deflated ones are decoded from their start on each time.
+// parts; deflated ones are decoded whole. The checksum of an entry is compared if all of it is
+// read.
 #pragma once
 
 #include <filesystem>
@@ -39,7 +40,8 @@ class ZipStore final : public ChunkStore {
   const std::string identity_;
 };
 
-// The volume in a zip file: `inside`, or if that is empty its root, or the only folder there.
+// The volume in a zip file: `inside`, or if that is empty its root, or what lies in the only folder
+// there.
 StorePlace zipPlace(const std::filesystem::path& path, const std::string& inside);
 
 }  // namespace sluice

@@ -5,6 +5,7 @@ make_zips.py FOLDER: the zip files are those of zarr-python's ZipStore and of Py
 
 import os
 import shutil
+import struct
 import sys
 import warnings
 import zipfile
@@ -36,14 +37,21 @@ def stored(name, separator="/"):
     return folder, voxels
 
 
-def zipped(name, method, inside="", comment=b"", separator="/", folders=False):
+def zipped(name, method, inside="", comment=b"", separator="/", folders=False, prefix="", others=()):
     folder, voxels = stored("of_" + name, separator)
     with zipfile.ZipFile(os.path.join(root, name), "w", method) as out:
         out.comment = comment
         for where, below, files in os.walk(folder):
             for each in sorted(files) + (sorted(below) if folders else []):
                 path = os.path.join(where, each)
-                out.write(path, os.path.join(inside, os.path.relpath(path, folder)))
+                as_name = os.path.join(inside, os.path.relpath(path, folder))
+                if os.path.isdir(path):
+                    out.write(path, as_name)
+                else:
+                    with open(path, "rb") as file:
+                        out.writestr(zipfile.ZipInfo(prefix + as_name), file.read(), method)
+        for other in others:
+            out.writestr(other, "of no interest")
     shutil.rmtree(folder)
     case(name, voxels)
 
@@ -54,6 +62,17 @@ zipped("dotted.zip", zipfile.ZIP_STORED, separator=".")
 zipped("comment.zip", zipfile.ZIP_STORED, comment=b"PK\5\6 is no end" * 40)
 zipped("one_folder.zarr.zip", zipfile.ZIP_DEFLATED, inside="volume.zarr", folders=True)
 zipped("named.ozx", zipfile.ZIP_STORED)
+zipped("dot.zip", zipfile.ZIP_STORED, prefix="./")
+zipped("mac.zip", zipfile.ZIP_DEFLATED, inside="outer/volume.zarr", others=("__MACOSX/outer/._volume.zarr", "README.txt"))
+
+# The count of entries at the end in 16 bits, where it has more: here as if there were 65536 fewer.
+zipped("counted.zip", zipfile.ZIP_STORED, others=[f"other/{i}" for i in range(65540)])
+whole = bytearray(open(os.path.join(root, "counted.zip"), "rb").read())
+end = whole.rfind(b"PK\5\6")
+wide_end = whole.rfind(b"PK\6\6")
+count, size, place = struct.unpack_from("<QQQ", whole, wide_end + 32)
+with open(os.path.join(root, "counted.zip"), "wb") as out:
+    out.write(whole[:wide_end] + struct.pack("<4sHHHHIIH", b"PK\5\6", 0, 0, count & 65535, count & 65535, size, place, 0))
 
 # All numbers in 64 bits, as in zip files of more than 4 GiB.
 limits = zipfile.ZIP64_LIMIT, zipfile.ZIP_FILECOUNT_LIMIT

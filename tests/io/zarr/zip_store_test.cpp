@@ -39,7 +39,7 @@ class Zip : public PythonVolumesTest<ZipCase> {
 };
 
 TEST_F(Zip, storesAreReadAsTheyWereWritten) {
-  ASSERT_EQ(cases_.size(), 8U);
+  ASSERT_EQ(cases_.size(), 11U);
   for (const ZipCase& c : cases_) {
     SCOPED_TRACE(c.name);
     const auto source = openVolume(pathOf(c.name).string());
@@ -96,11 +96,12 @@ TEST_F(Zip, partsAreThoseOfTheWhole) {
   }
 }
 
-// A flipped bit is found, or makes no difference, or takes an entry's name away, whose chunk then
-// is one that the store does not have.
+// A flipped bit is found, or makes no difference, or changes a name in the list of files: then the
+// store lacks that chunk.
 TEST_F(Zip, damageIsFound) {
   for (const char* name : {"stored.zip", "deflated.zip", "wide.zip"}) {
     const std::string whole = readFile(pathOf(name)), voxels = voxelsOf(name);
+    const size_t list_at = whole.find("PK\1\2");
     int found = 0;
     for (size_t at = 0; at < whole.size(); at += 7) {
       std::string damaged = whole;
@@ -108,7 +109,8 @@ TEST_F(Zip, damageIsFound) {
       try {
         const auto source = openVolume(zipOf(damaged).string());
         const bool is_whole = allSteps(*source) == voxels;
-        EXPECT_TRUE(is_whole || source->occupancy(0).has_value()) << name << " at " << at;
+        const bool lacks_chunks = at > list_at && source->occupancy(0).has_value();
+        EXPECT_TRUE(is_whole || lacks_chunks) << name << " at " << at;
       } catch (const Error& error) {
         EXPECT_THAT(error.what(), HasSubstr("a.zip"));
         EXPECT_THAT(error.what(), Not(HasSubstr("\n")));
@@ -117,6 +119,41 @@ TEST_F(Zip, damageIsFound) {
     }
     EXPECT_GT(found, 100) << name;
   }
+}
+
+TEST_F(Zip, aWrongCountOrPlaceOfEntriesIsFound) {
+  std::string fewer = readFile(pathOf("stored.zip"));
+  fewer[fewer.rfind("PK\5\6") + 10] = 20;
+  EXPECT_THAT(errorOf([&] { read(zipOf(fewer)); }),
+              AllOf(HasSubstr("a.zip: expected 20 entries"), HasSubstr("found 28")));
+  // The places of two chunks in the list, one for the other.
+  std::string turned = readFile(pathOf("stored.zip"));
+  const size_t list_at = turned.find("PK\1\2");
+  const size_t one = turned.find("0/0/1", list_at) - 4, other = turned.find("0/1/0", list_at) - 4;
+  std::swap_ranges(&turned[one], &turned[one] + 4, &turned[other]);
+  EXPECT_THAT(errorOf([&] { read(zipOf(turned)); }), HasSubstr("expected its header"));
+}
+
+// Each part of a long deflated entry would be decoded from its start.
+TEST_F(Zip, partsOfLongDeflatedEntriesAreRefused) {
+  const std::string folder = shellQuoted(folder_of_test_.path().string());
+  ASSERT_EQ(runCommand("cd " + folder +
+                       " && /usr/bin/python3 -c 'import zipfile; zipfile.ZipFile(\"long.zip\", "
+                       "\"w\", zipfile.ZIP_DEFLATED).writestr(\"0\", bytes(5 << 20))'")
+                .status,
+            0);
+  ZipStore store(folder_of_test_ / "long.zip");
+  std::vector<std::byte> bytes(8);
+  const auto part = [&] {
+    store.read("0", {PieceBytes::From::kEnd, 0, 8},
+               [&](const PieceInfo&) { return std::span(bytes); });
+  };
+  EXPECT_THAT(errorOf(part), AllOf(HasSubstr("long.zip/0"), HasSubstr("without compression")));
+}
+
+TEST_F(Zip, namesAVolumeByItsFile) {
+  EXPECT_EQ(openVolume(pathOf("stored.zip").string())->layout().name, "stored.zip");
+  EXPECT_EQ(openVolume(pathOf("mac.zip").string())->layout().name, "volume.zarr");
 }
 
 TEST_F(Zip, filesThatWereCutShortAreRefused) {
