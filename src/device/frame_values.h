@@ -45,7 +45,7 @@ struct ClipPlane {
 // lo + e * (hi - lo) / (entries - 1); a sample takes the nearest entry, clamped, or interpolates.
 struct LookUp {
   ValueRange device_range;
-  ValueRange volume_range = {};  // all device values of the volume, if it is known
+  ValueRange volume_range = {};  // all device values of the volume, or an estimate
   bool interpolates = false;
   // r, g, b not premultiplied; opacity of one unit length, not corrected for the step. In modes
   // other than composite a sample takes part if the opacity is above 0. Towards the last entries

@@ -204,6 +204,8 @@ GlProgram& GlDevice::frameProgram(Vec3d scale, bool has_spread) {
   variant.scaled = scale != kOne;
   variant.spread = has_spread && traitsOf(setup_.mode).has_colors && !variant.labels;
   variant.shares = has_spread && variant.labels;
+  // A spread may show where the value does not.
+  variant.rough_first = variant.rough_first && !variant.spread;
   GlProgram& program = programFor(variant);
   if (told_.insert(variant).second) {
     setFrame(program);

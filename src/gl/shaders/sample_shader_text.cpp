@@ -42,8 +42,7 @@ void main() {
 #define LIGHT_AT(k) vec3(0.0)
 #endif
 #if SURFACES > 0
-  // The hardware's values at both ends of a slice's way, for finding slices that may meet a surface.
-  float near_end, far_end = roughAt(first + (float(range.x - first_k) - 0.5) * along).r;
+  float near_end, far_end = endAt(first + (float(range.x - first_k) - 0.5) * along);
 #endif
 #if COMBINING == 4
   // Read once: software GL reads uniforms again in every turn of a loop.
@@ -87,7 +86,7 @@ void main() {
 #endif
 #if SURFACES > 0
       near_end = far_end;
-      far_end = roughAt(at + 0.5 * along).r;
+      far_end = endAt(at + 0.5 * along);
       value = texelAt(at).r;
       if (mayMeet(near_end, far_end) || (HAS_OPACITIES == 1 && value >= visible.x && value <= visible.y) ||
           k + 1 == range.y)
@@ -207,8 +206,8 @@ void main() {
     // part), or, by depth, (code of the greatest, greatest part).
     float part = color.a;
 #if CODES_DEPTH
-    // The hardware's interpolation is too coarse to tell values from each other: those that may be
-    // the greatest are read exactly. A loop, since software GL skips no `if`.
+    // The hardware's interpolation may be too coarse to tell values from each other: those that may
+    // be the greatest are read exactly. A loop, since software GL skips no `if`.
     float level = clamp((value - window.x) * window.y, 0.0, 1.0) * part;
     for (bool again = part > 0.0 && level * PLACE_STEPS > sum.r / DEPTH_STEPS - 64.0; again;
          again = false) {

@@ -74,8 +74,9 @@ void setLights(const FrameSetup& setup, GlProgram& program) {
 }
 
 void setVisible(const FrameSetup& setup, GlProgram& program) {
-  // Hardware interpolates with eight bits, or as exactly as it likes: a little more than its error.
-  constexpr double kFilterShare = 1.0 / 64;
+  // Hardware interpolates with eight bits, or as exactly as it likes. This is some times its error,
+  // since the range of all values may be an estimate from a coarse level.
+  constexpr double kFilterShare = 1.0 / 32;
   const LookUp& look_up = *setup.look_up;
   const auto [least, greatest] = visibleValues(look_up);
   const double scale = valueScale(setup.type);

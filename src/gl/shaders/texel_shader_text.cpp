@@ -52,17 +52,25 @@ vec2 filteredAt(vec3 at) {
 #endif
 }
 
+#if SURFACES > 0
+// The value at an end of a slice's way, for finding slices that may meet a surface. Beside values that
+// stand for infinities the hardware's are off by more than `filter_tie`.
+float endAt(vec3 at) {
+#if FLOATS
+  return filteredAt(at).r;
+#else
+  return roughAt(at).r;
+#endif
+}
+#endif
+
 // The same for a sample: only about that if it shows nothing, or of labels, which labelAt() reads.
 vec2 texelAt(vec3 at) {
 #if LABELS
   return roughAt(at);
 #elif ROUGH_FIRST
   vec2 rough = roughAt(at);
-  bool may_show = rough.r >= visible.x - filter_tie && rough.r <= visible.y + filter_tie;
-#if SPREAD
-  may_show = may_show || rough.g > 0.0;
-#endif
-  if (may_show) return exactAt(at);
+  if (rough.r >= visible.x - filter_tie && rough.r <= visible.y + filter_tie) return exactAt(at);
   return rough;
 #else
   return filteredAt(at);
