@@ -17,13 +17,14 @@ void addCullingOptions(CLI::App& app, CullingArguments& arguments, bool chooses)
                  "toc if the series is prepared and its first steps are drawn faster with it");
   group.number("--difference", "D", arguments.difference, {0, 1},
                "Fuses blocks of successive steps that differ less than this; 0: none");
-  group.number("--directions", "N", arguments.directions, {1, 16},
-               "Rows of an opacity function's table of directions, over 90 degrees");
+  group.number(
+      "--directions", "N", arguments.directions, {1, 16},
+      "Rows of directions, over 90 degrees, for which an opacity function keeps opacities");
   group.number("--part", "CELLS", arguments.part, {4, 64},
                "Cells per side of a part of a block in its opacity function, a multiple of 4");
   group.number(
       "--detail", "BITS", arguments.detail, {0, 2},
-      "Bits per cube of a part, which has 64: more bits cull more blocks and need more storage");
+      "Bits for each of the 64 cubes of a part; more bits cull more blocks and need more storage");
   group.text("--basis", "FILE,...", arguments.basis,
              "Computes opacity functions for these transfer functions; any other with opacity 1 - "
              "product of (1 - A)^K needs none of its own");

@@ -38,8 +38,8 @@ void addLevelsOption(const OptionGroup& group, MachineOptions& machine) {
                         {"always", LevelsWish::kAlways},
                         {"none", LevelsWish::kNone}},
       machine.levels,
-      "Makes coarser levels, once and beside the index, for a file that has none: if it is "
-      "large, always, or never");
+      "Whether to make coarser levels, once and beside the index, for a file that has none: if it "
+      "is large (auto), always, or never (none)");
 }
 
 std::optional<CutOptions> cutOptions(const LevelArguments& arguments,

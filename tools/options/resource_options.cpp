@@ -79,12 +79,12 @@ void addBlockOptions(const OptionGroup& group, ResourceArguments& arguments) {
   group.parsed(
       "--page", "AxBxC", kPageSizes, parsePageOption,
       [&arguments](Vec3i page) { arguments.page_vox = page; },
-      "Texture page in voxels (the 64 KiB page of the voxel type)");
+      "Size of a texture page in voxels (the size that takes 64 KiB)");
   group.parsed(
       "--block", "2^d", fmt::format("a power of two from {} to {}", kLeastBlock, kMostBlock),
       [](const std::string& word) { return powerOfTwo(word, kLeastBlock, kMostBlock); },
       [&arguments](int64_t block) { arguments.block = block; },
-      "Voxels per side of a volume block, 4 to 1024 (the page's longest side)");
+      "Voxels per side of a volume block, 4 to 1024 (the longest side of a texture page)");
 }
 
 }  // namespace

@@ -111,9 +111,9 @@ void addFrameOptions(CLI::App& app, FrameOptions& options) {
   group.parsed(
       "--time-limit", "SECONDS", "a number from 0 to 1e+09, also with a unit, as in 1s or 500ms",
       parseSeconds, [&options](double seconds) { options.time_limit_s = seconds; },
-      "Volumes with levels of resolution: the best picture of that time, counted from the start. "
-      "Others: leaves out blocks that are not read in time, and prints the missing share (waits "
-      "for all)");
+      "Draws the best picture that this time allows, counted from the start. Of a volume without "
+      "levels of resolution, blocks that are not read in time are left out, and the missing share "
+      "is printed (waits for all)");
 }
 
 void addViewOptions(CLI::App& app, const AskedView& asked, FrameOptions& options) {

@@ -77,7 +77,7 @@ void addWebCacheOptions(const OptionGroup& group, WebCache& cache) {
         cache.budget_bytes = bytes;
         if (cache.folder.empty()) cache.folder = webCacheFolder();
       },
-      "Addresses: keeps the data read from servers in a folder of at most so many bytes");
+      "Keeps the data read from servers in a folder of at most this many bytes");
   group.parsed(
       "--cache-dir", "DIR", "the name of a folder",
       [](const std::string& word) { return word.empty() ? std::nullopt : std::optional(word); },
@@ -85,7 +85,7 @@ void addWebCacheOptions(const OptionGroup& group, WebCache& cache) {
         cache.folder = folder;
         if (cache.budget_bytes == 0) cache.budget_bytes = kCacheBytes;
       },
-      "Addresses: the folder for --cache (the user's cache folder); alone: up to 20G");
+      "The folder of --cache (in the user's cache folder); without --cache the limit is 20G");
 }
 
 }  // namespace

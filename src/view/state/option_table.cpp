@@ -151,8 +151,8 @@ std::vector<OptionEntry> makeTable() {
           8,
           {Form::kNumber, {0, 1000}},
           "A",
-          "--mode attenuated-mip: a voxel length at the top of --range dims what is behind it by "
-          "exp(-A), lesser values in proportion (0.05)"}),
+          "--mode attenuated-mip: a voxel length at the top of --range dims values behind it by "
+          "exp(-A); lower values dim in proportion (0.05)"}),
       in(&Look::light, {"light", "--shade", 7, light}),
       in(&Look::threshold, {"threshold",
                             "--threshold",
@@ -219,21 +219,22 @@ std::vector<OptionEntry> makeTable() {
           10,
           {Form::kChannels},
           "C:COLOR[,LO:HI[,A]]",
-          "Several channels: the colour or map of channel C, or 'labels', and the values over "
-          "which its opacity rises from 0 to A; may be given for each; C is 'over' for the volume "
-          "of --over (what the file says, else automatic)"}),
+          "The look of channel C: a colour, a map or 'labels', and the values over which its "
+          "opacity rises from 0 to A; once for each channel; C is 'over' for the volume of --over "
+          "(from the file, else automatic)"}),
       in(&Look::combine,
          {"combine", "--combine", 11, wordOf({"add", "blend"}), "",
-          "Several channels: their pictures added up, or each sample blended of all as one medium",
-          nullptr, isBlended}),
+          "Adds the pictures of several channels, or blends all of them at each sample", nullptr,
+          isBlended}),
       in(&Look::surfaces,
          {"surfaces",
           "--iso",
           8,
           {Form::kSurfaces},
           "T[:A[:COLOR]],...",
-          "Draws surfaces at these values, of opacity A (1) and a colour (the map's), lit; with "
-          "--threshold, --transfer, --opacities or --opacity together with the volume"}),
+          "Draws lit surfaces at these values, with opacity A (1) and a colour (the map's); the "
+          "volume "
+          "is drawn, too, with --threshold, --transfer, --opacities or --opacity"}),
       in(&Look::full_gradient,
          {"full_gradient",
           "--full-gradient",
@@ -249,8 +250,8 @@ std::vector<OptionEntry> makeTable() {
                                 "Distance between slices in voxels of the finest spacing"}),
       in(&ViewState::quality,
          {"quality", "--quality", 46, wordOf({"plain", "fast", "normal", "high"}), "",
-          "How rays are sampled: plain takes single values; the others take all values between "
-          "samples, at the chosen step (normal), twice (fast) or half of it (high)",
+          "How rays are sampled: plain takes single values; fast, normal and high take all values "
+          "between samples, at 2, 1 and 1/2 times the chosen step",
           isIntegrated}),
       in(&ViewState::jitter,
          {"jitter",
@@ -258,8 +259,8 @@ std::vector<OptionEntry> makeTable() {
           46,
           {.form = Form::kNumber, .limits = kShare, .bare = "1"},
           "SHARE",
-          "Moves the samples of each pixel's ray by up to half the distance between samples, "
-          "--jitter=SHARE by less: fine grain in place of rings"}),
+          "Moves the samples of each ray by up to half their distance (--jitter=SHARE: by less), "
+          "which turns rings into fine grain"}),
       in(&PictureOptions::Lighting::key,
          {"key_light",
           "--light",
@@ -294,24 +295,25 @@ std::vector<OptionEntry> makeTable() {
           51,
           {.form = Form::kNumber, .limits = kShare, .bare = "1"},
           "SHARE",
-          "Matter casts shadows in the key light of lit pictures; --shadows=SHARE takes away less "
-          "of it, from 0 to 1"}),
+          "Matter casts shadows in the key light of lit pictures; SHARE, 0 to 1, is the part of "
+          "that light taken away (1)"}),
       in(&PictureOptions::Lighting::occlusion,
          {"occlusion_light",
           "--occlusion-light",
           52,
           {.form = Form::kNumber, .limits = kShare, .bare = "1"},
           "SHARE",
-          "Matter around a place keeps other light away from it (ambient occlusion); "
-          "--occlusion-light=SHARE keeps away less of it, from 0 to 1"}),
+          "Matter around a place keeps other light away from it (ambient occlusion); SHARE, 0 to "
+          "1, "
+          "is the part kept away (1)"}),
       in(&PictureOptions::Lighting::depth_cueing,
          {"depth_cueing",
           "--depth-cueing",
           53,
           {.form = Form::kNumber, .limits = kShare, .bare = "1"},
           "SHARE",
-          "Darkens distant parts, lit or not: the farthest visible part turns black; "
-          "--depth-cueing=SHARE darkens it less, from 0 to 1"}),
+          "Darkens distant parts, lit or not; SHARE, 0 to 1, is how much the farthest visible part "
+          "is darkened (1: black)"}),
       in(&ViewState::crop, {"crop",
                             "--crop",
                             42,
