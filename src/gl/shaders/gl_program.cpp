@@ -45,6 +45,10 @@ GlProgram::~GlProgram() {
   gl_.DeleteProgram(program_);
 }
 
+void GlProgram::ofChannel(size_t channel) {
+  suffix_ = fmt::format("_{}", channel);
+}
+
 GLint GlProgram::locate(const char* name) {
   const std::string whole = name + suffix_;
   const auto found = locations_.find(whole);

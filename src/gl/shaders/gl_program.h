@@ -20,7 +20,7 @@ class GlProgram {
 
   void use() const { gl_.UseProgram(program_); }
   // From now on set() means the uniforms of this channel (BlendedVariant), or those that all share.
-  void ofChannel(size_t channel) { suffix_ = "_" + std::to_string(channel); }
+  void ofChannel(size_t channel);
   void ofAll() { suffix_.clear(); }
   // Uniforms that the compiler dropped are ignored. Requires: the program is in use.
   void set(const char* name, int value);
