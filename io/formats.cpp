@@ -349,8 +349,7 @@ NamedInput lookAt(const std::string& name, const OpenOptions& options) {
   if (input.is_folder) {
     if (!input.inside.empty())
       fail(
-          "{}: expected an HDF5 or zip file in front of ':{}', found a folder; name the folder in "
-          "it, "
+          "{}: expected an HDF5 or zip file in front of ':{}', found a folder; name what is in it, "
           "'{}{}'",
           input.file.string(), input.inside, input.file.string(), input.inside);
     input.store = folderPlace(input.file);

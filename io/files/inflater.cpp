@@ -12,7 +12,8 @@
 namespace sluice {
 namespace {
 constexpr size_t kInputBytes = 256 * 1024;
-constexpr int kGzipOrZlib = 15 + 32;  // the largest window; the header tells which
+// zlib's numbers for a stream whose header tells which of the two it is, and for one without.
+constexpr int kGzipOrZlib = MAX_WBITS + 32, kBare = -MAX_WBITS;
 }  // namespace
 
 struct Inflater::State {
@@ -21,8 +22,18 @@ struct Inflater::State {
 };
 
 Inflater::Inflater(std::shared_ptr<File> file, uint64_t offset)
-    : file_(std::move(file)), offset_(offset), state_(std::make_unique<State>()) {
-  if (inflateInit2(&state_->stream, kGzipOrZlib) != Z_OK)
+    : Inflater(std::move(file), offset, std::numeric_limits<uint64_t>::max(), kGzipOrZlib) {}
+
+Inflater::Inflater(std::shared_ptr<File> file, uint64_t offset, uint64_t bytes)
+    : Inflater(std::move(file), offset, bytes, kBare) {}
+
+Inflater::Inflater(std::shared_ptr<File> file, uint64_t offset, uint64_t bytes, int window)
+    : file_(std::move(file)),
+      offset_(offset),
+      left_(bytes),
+      has_members_(window == kGzipOrZlib),
+      state_(std::make_unique_for_overwrite<State>()) {
+  if (inflateInit2(&state_->stream, window) != Z_OK)
     failMemory("{}: not enough memory to decode it", file_->path());
 }
 
@@ -36,8 +47,11 @@ bool Inflater::fillInput() {
   if (stream.avail_in >= 2) return true;
   std::byte* const begin = state_->input.data();
   if (stream.avail_in == 1) *begin = static_cast<std::byte>(*stream.next_in);
-  const size_t taken = file_->readSome(offset_, std::span(state_->input).subspan(stream.avail_in));
+  const auto room = std::span(state_->input).subspan(stream.avail_in);
+  const size_t taken =
+      left_ == 0 ? 0 : file_->readSome(offset_, room.first(std::min(left_, room.size())));
   offset_ += taken;
+  left_ -= taken;
   stream.next_in = reinterpret_cast<Bytef*>(begin);
   stream.avail_in += static_cast<uInt>(taken);
   return stream.avail_in > 0;
@@ -46,8 +60,8 @@ bool Inflater::fillInput() {
 void Inflater::startNextMember() {
   z_stream& stream = state_->stream;
   fillInput();
-  const bool another =
-      stream.avail_in >= 2 && stream.next_in[0] == 0x1f && stream.next_in[1] == 0x8b;
+  const bool another = has_members_ && stream.avail_in >= 2 && stream.next_in[0] == 0x1f &&
+                       stream.next_in[1] == 0x8b;
   if (another)
     inflateReset(&stream);
   else

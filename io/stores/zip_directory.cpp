@@ -13,9 +13,9 @@ namespace {
 static_assert(std::endian::native == std::endian::little);  // as zip files are
 
 constexpr uint32_t kEndMark = 0x06054b50, kWideLocatorMark = 0x07064b50, kWideEndMark = 0x06064b50,
-                   kEntryMark = 0x02014b50;
-constexpr uint64_t kEndBytes = 22, kWideLocatorBytes = 20, kWideEndBytes = 56, kEntryBytes = 46,
-                   kMostComment = 0xFFFF;
+                   kEntryMark = 0x02014b50, kHeaderMark = 0x04034b50;
+constexpr uint64_t kHeaderBytes = 30, kEndBytes = 22, kWideLocatorBytes = 20, kWideEndBytes = 56,
+                   kEntryBytes = 46, kMostComment = 0xFFFF;
 constexpr uint32_t kWide32 = 0xFFFFFFFF;  // the number stands elsewhere, in 64 bits
 constexpr uint16_t kWide16 = 0xFFFF, kWideExtra = 1;
 
@@ -31,7 +31,7 @@ struct DirectoryPlace {
   uint64_t offset = 0, bytes = 0, entries = 0;
 };
 
-// Where the list's end begins: the last mark behind which the comment ends with the file.
+// Finds the end of the list: its last mark behind which the comment ends with the file.
 std::optional<uint64_t> endIn(std::span<const std::byte> tail) {
   if (tail.size() < kEndBytes) return std::nullopt;
   for (uint64_t at = tail.size() - kEndBytes;; --at) {
@@ -67,8 +67,7 @@ DirectoryPlace findDirectory(File& file) {
   if (!found)
     fail(
         "{}: expected a zip file's list of files at its end, found other bytes; it was cut short, "
-        "or "
-        "bytes were added behind it: write or fetch it again",
+        "or bytes were added behind it: write or fetch it again",
         file.path());
   const auto end = std::span<const std::byte>(tail).subspan(*found);
   const uint64_t end_at = size - end.size();
@@ -93,6 +92,23 @@ DirectoryPlace findDirectory(File& file) {
 
 bool isZip(std::string_view head) {
   return head.starts_with("PK\x03\x04") || head.starts_with("PK\x05\x06");
+}
+
+uint64_t contentOf(File& file, const ZipEntry& entry) {
+  const uint64_t size = file.sizeBytes();
+  std::vector<std::byte> header(kHeaderBytes + entry.name.size());
+  if (header.size() <= size - entry.header_at) {
+    file.readAt(entry.header_at, header);
+    const auto name_bytes = numberAt<uint16_t>(header, 26), more = numberAt<uint16_t>(header, 28);
+    const uint64_t at = entry.header_at + kHeaderBytes + name_bytes + more;
+    const std::string_view name(reinterpret_cast<const char*>(header.data()) + kHeaderBytes,
+                                entry.name.size());
+    if (numberAt<uint32_t>(header, 0) == kHeaderMark && name_bytes == name.size() &&
+        name == entry.name && at <= size && entry.stored_bytes <= size - at)
+      return at;
+  }
+  fail("{}/{}: expected its header and {} bytes at {}, found other bytes; write or fetch it again",
+       file.path(), entry.key, entry.stored_bytes, entry.header_at);
 }
 
 ZipDirectory::ZipDirectory(File& file) {
@@ -140,7 +156,7 @@ ZipDirectory::ZipDirectory(File& file) {
     fail("{}: expected {} entries in the list of files, found {}; write or fetch it again",
          file.path(), place.entries, read);
   std::ranges::stable_sort(entries_, {}, [this](uint64_t at) { return entryAt(at).key; });
-  // Of equal ones the last: a writer that replaces an entry appends another.
+  // The last of equal entries stays: a writer that replaces an entry appends another.
   const auto same = [this](uint64_t a, uint64_t b) { return entryAt(a).key == entryAt(b).key; };
   const auto first = std::unique(entries_.rbegin(), entries_.rend(), same).base();
   entries_.erase(entries_.begin(), first);

@@ -24,6 +24,10 @@ struct ZipEntry {
   uint64_t header_at = 0;                // of the entry's own header, in the zip file
 };
 
+// Where the entry's bytes begin in the zip file. Throws Error: its own header is damaged, or that
+// of another entry.
+uint64_t contentOf(File& file, const ZipEntry& entry);
+
 // Constant after construction. Takes the memory of the directory and eight bytes an entry.
 class ZipDirectory {
  public:

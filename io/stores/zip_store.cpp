@@ -4,35 +4,29 @@
 
 #include <algorithm>
 #include <array>
-#include <cstring>
 #include <vector>
 
+#include "io/files/inflater.h"
 #include "src/base/error.h"
 
 namespace sluice {
 namespace {
 
-constexpr uint32_t kHeaderMark = 0x04034b50;
-constexpr uint64_t kHeaderBytes = 30;
-// Of longer entries no part is read if they are deflated: each would be decoded from its start on.
+// A part of a deflated entry is decoded from the entry's start on: parts of longer ones are
+// refused.
 constexpr uint64_t kMostDecodedAgain = 4 << 20;
 
-// A stream of deflated bytes without a header.
-struct RawInflate {
-  explicit RawInflate(const std::string& name) {
-    if (inflateInit2(&stream, -MAX_WBITS) != Z_OK)
-      failMemory("{}: not enough memory to decode it", name);
-  }
-  ~RawInflate() { inflateEnd(&stream); }
-  RawInflate(const RawInflate&) = delete;
-  RawInflate& operator=(const RawInflate&) = delete;
-  z_stream stream = {};
-};
+// The checksum of bytes that follow those of `before`.
+uint32_t checksumOf(std::span<const std::byte> bytes, uint32_t before = 0) {
+  if (bytes.empty()) return before;
+  return static_cast<uint32_t>(
+      crc32_z(before, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
+}
 
 }  // namespace
 
 ZipStore::ZipStore(const std::filesystem::path& path)
-    : file_(path), directory_(file_), identity_(file_.identity()) {}
+    : file_(std::make_shared<File>(path)), directory_(*file_), identity_(file_->identity()) {}
 
 std::string ZipStore::wholeKey(const std::string& key) const {
   std::string whole = std::filesystem::path("/" + key).lexically_normal().string().substr(1);
@@ -47,66 +41,14 @@ bool ZipStore::has(const std::string& key) {
   return i < directory_.size() && directory_.at(i).key.starts_with(whole + '/');
 }
 
-uint64_t ZipStore::contentAt(const ZipEntry& entry) {
-  const std::string name = nameOf(std::string(entry.key));
-  std::vector<std::byte> header(kHeaderBytes + entry.name.size());
-  const uint64_t file_bytes = file_.sizeBytes();
-  uint32_t mark = 0;
-  std::array<uint16_t, 2> lengths{};  // of the name, and of what follows it
-  if (header.size() <= file_bytes - entry.header_at) {
-    file_.readAt(entry.header_at, header);
-    std::memcpy(&mark, header.data(), sizeof(mark));
-    std::memcpy(lengths.data(), header.data() + 26, sizeof(lengths));
-  }
-  const uint64_t at = entry.header_at + kHeaderBytes + lengths[0] + lengths[1];
-  const auto is_named = [&] {
-    return lengths[0] == entry.name.size() &&
-           std::memcmp(header.data() + kHeaderBytes, entry.name.data(), entry.name.size()) == 0;
-  };
-  if (mark != kHeaderMark || !is_named() || at > file_bytes || entry.stored_bytes > file_bytes - at)
-    fail("{}: expected its header and {} bytes at {}, found other bytes; write or fetch it again",
-         name, entry.stored_bytes, entry.header_at);
-  return at;
-}
-
-void ZipStore::inflateInto(const ZipEntry& entry, uint64_t from, std::span<std::byte> out) {
-  constexpr uint64_t kPart = 256 << 10;
-  const std::string name = nameOf(std::string(entry.key));
-  RawInflate inflater(name);
-  z_stream& stream = inflater.stream;
-  std::vector<std::byte> stored(std::min(entry.stored_bytes, kPart)), skipped;
-  skipped.resize(std::min(from, kPart));
-  const uint64_t content_at = contentAt(entry);
-  uint64_t taken = 0, decoded = 0;
-  auto checksum = static_cast<uint32_t>(crc32(0, nullptr, 0));
-  while (decoded < from + out.size()) {
-    if (stream.avail_in == 0 && taken < entry.stored_bytes) {
-      const auto part = std::span(stored).first(std::min(kPart, entry.stored_bytes - taken));
-      file_.readAt(content_at + taken, part);
-      taken += part.size();
-      stream.next_in = reinterpret_cast<Bytef*>(part.data());
-      stream.avail_in = static_cast<uInt>(part.size());
-    }
-    const std::span<std::byte> room =
-        decoded < from
-            ? std::span(skipped).first(std::min(kPart, from - decoded))
-            : out.subspan(decoded - from, std::min<uint64_t>(1 << 30, from + out.size() - decoded));
-    stream.next_out = reinterpret_cast<Bytef*>(room.data());
-    stream.avail_out = static_cast<uInt>(room.size());
-    const int status = inflate(&stream, Z_NO_FLUSH);
-    const uint64_t got = room.size() - stream.avail_out;
-    checksum = static_cast<uint32_t>(
-        crc32(checksum, reinterpret_cast<const Bytef*>(room.data()), static_cast<uInt>(got)));
-    decoded += got;
-    const bool goes_on = status == Z_OK && (got > 0 || stream.avail_in == 0) &&
-                         (got > 0 || taken < entry.stored_bytes);
-    if (!goes_on && decoded < from + out.size())
-      fail("{}: expected {} bytes once decoded, found damage after {}; write or fetch it again",
-           name, entry.bytes, decoded);
-  }
-  if (decoded == entry.bytes && checksum != entry.checksum)
-    fail("{}: expected the checksum {:08x}, found {:08x}; write or fetch it again", name,
-         entry.checksum, checksum);
+uint32_t ZipStore::inflateInto(const ZipEntry& entry, uint64_t from, std::span<std::byte> out) {
+  Inflater inflater(file_, contentOf(*file_, entry), entry.stored_bytes);
+  std::vector<std::byte> before(from);
+  for (const std::span<std::byte> part : {std::span(before), out})
+    if (inflater.read(part) < part.size())
+      fail("{}: expected {} bytes once decoded, found fewer; write or fetch it again",
+           nameOf(std::string(entry.key)), entry.bytes);
+  return checksumOf(out, checksumOf(before));
 }
 
 bool ZipStore::read(const std::string& key, const PieceBytes& wanted, const Room& room) {
@@ -118,20 +60,21 @@ bool ZipStore::read(const std::string& key, const PieceBytes& wanted, const Room
     fail("{}: expected {} bytes, found {}; it was cut short", nameOf(key), from + out.size(),
          entry->bytes);
   if (wanted.from == PieceBytes::From::kEnd) from = entry->bytes - out.size();
+  const bool is_all = out.size() == entry->bytes;
+  if (entry->is_deflated && !is_all && entry->bytes > kMostDecodedAgain)
+    fail(
+        "{}: expected an entry that is stored, of which parts are read, found {} deflated bytes; "
+        "unpack the zip file, or make it without compression",
+        nameOf(key), entry->bytes);
+  uint32_t checksum = 0;
   if (entry->is_deflated) {
-    if (out.size() < entry->bytes && entry->bytes > kMostDecodedAgain)
-      fail(
-          "{}: expected an entry that is stored, of which parts are read, found {} deflated bytes; "
-          "unpack the zip file, or make it without compression",
-          nameOf(key), entry->bytes);
-    inflateInto(*entry, from, out);
-    return true;
+    checksum = inflateInto(*entry, from, out);
+  } else {
+    file_->readAt(contentOf(*file_, *entry) + from, out);
+    if (is_all) checksum = checksumOf(out);
   }
-  file_.readAt(contentAt(*entry) + from, out);
-  if (out.size() != entry->bytes) return true;
-  uLong checksum = crc32(0, nullptr, 0);
-  checksum = crc32_z(checksum, reinterpret_cast<const Bytef*>(out.data()), out.size());
-  if (checksum != entry->checksum)
+  const bool is_known = entry->is_deflated ? from + out.size() == entry->bytes : is_all;
+  if (is_known && checksum != entry->checksum)
     fail("{}: expected the checksum {:08x}, found {:08x}; write or fetch it again", nameOf(key),
          entry->checksum, checksum);
   return true;
@@ -149,7 +92,7 @@ void ZipStore::list(const std::string& folder,
     const std::string_view rest = directory_.at(i).key.substr(before.size());
     const size_t end = rest.find('/');
     take({std::string(rest.substr(0, end)), end != rest.npos});
-    // Behind a folder's entries comes what is greater than all of them: '0' follows '/'.
+    // All entries of a folder are less than its name with '0', which follows '/'.
     i = end == rest.npos ? i + 1
                          : directory_.firstFrom(before + std::string(rest.substr(0, end)) + '0');
   }
@@ -159,7 +102,7 @@ StorePlace zipPlace(const std::filesystem::path& path, const std::string& inside
   StorePlace place{std::make_shared<ZipStore>(path), ""};
   place.key = place.store->wholeKey(inside);
   if (!place.key.empty()) return place;
-  // Down to the first folder that holds more than one: people zip the folder around a store, too.
+  // The store may lie in a folder, alone: people zip the folder around a store, too.
   constexpr std::array kMetadata{"zarr.json", ".zgroup", ".zarray", ".zattrs", "attributes.json"};
   for (;;) {
     if (std::ranges::any_of(kMetadata, [&](const char* name) { return place.has(name); }))

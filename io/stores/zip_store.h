@@ -4,6 +4,7 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <string>
 
 #include "io/files/file.h"
@@ -19,7 +20,7 @@ class ZipStore final : public ChunkStore {
 
   std::string wholeKey(const std::string& key) const override;
   std::string nameOf(const std::string& key) const override {
-    return key.empty() ? file_.path() : file_.path() + '/' + key;
+    return key.empty() ? file_->path() : file_->path() + '/' + key;
   }
   bool has(const std::string& key) override;
   bool read(const std::string& key, const PieceBytes& wanted, const Room& room) override;
@@ -30,12 +31,11 @@ class ZipStore final : public ChunkStore {
             const std::function<void(const Entry& entry)>& take) override;
 
  private:
-  // Where the bytes of an entry begin. Throws Error: its own header is damaged.
-  uint64_t contentAt(const ZipEntry& entry);
-  // Decodes the entry up to the end of `out`, whose first byte is number `from` of it.
-  void inflateInto(const ZipEntry& entry, uint64_t from, std::span<std::byte> out);
+  // Decodes the entry up to the end of `out`, whose first byte is number `from` of it. Returns the
+  // checksum of all that it decoded.
+  uint32_t inflateInto(const ZipEntry& entry, uint64_t from, std::span<std::byte> out);
 
-  File file_;
+  const std::shared_ptr<File> file_;
   const ZipDirectory directory_;
   const std::string identity_;
 };
