@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
+#include <string_view>
 #include <vector>
 
 #include "src/gl/render_target.h"
@@ -13,7 +15,7 @@
 namespace sluice {
 namespace {
 
-// Of 61 samples one alone lies at a 256th of the way between the texels.
+// One alone of 61 samples lies at a 256th of the way between the texels.
 constexpr int kSamples = 61;
 
 constexpr const char* kSampleLine = R"(#version 330 core
@@ -62,6 +64,14 @@ bool filtersExactly(const GlFunctions& gl) {
   look(DeviceType::kF32, std::as_bytes(std::span(kFloats)));
   look(DeviceType::kU8, std::as_bytes(std::span(kBytes)));
   return largest < kExact;
+}
+
+bool mustFetch(const GlContext& context) {
+  const char* const given = std::getenv("GALLIVM_PERF");
+  const bool keeps_exact =
+      given != nullptr && std::string_view(given).find(kExactSampling) != std::string_view::npos;
+  if (context.isSoftware() && keeps_exact) return false;
+  return !filtersExactly(context.functions());
 }
 
 }  // namespace sluice

@@ -45,7 +45,7 @@ TEST(ShellWord, namesAndTextsStayReadable) {
 
 // The shell itself is the judge: it must read back the quoted text.
 TEST(ShellWord, isReadBackByTheShell) {
-  if (!haveProgram("bash")) GTEST_SKIP() << "no bash";
+  if (!haveProgram("bash")) GTEST_SKIP() << "bash is not installed";
   std::mt19937 random(7);
   std::string all;
   for (int c = 1; c < 256; ++c) all += static_cast<char>(c);

@@ -2,7 +2,7 @@
 
 namespace sluice {
 
-// At the nearest depth, so that the target's other depths are behind it.
+// It lies at the nearest depth, so that it hides what the target holds.
 const char* const kCoverText = R"(#version 330 core
 void main() {
   gl_Position = vec4(4.0 * float(gl_VertexID & 1) - 1.0, 2.0 * float(gl_VertexID & 2) - 1.0, -1.0, 1.0);
