@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdlib>
-#include <string_view>
 #include <vector>
 
 #include "src/gl/render_target.h"
@@ -64,14 +62,6 @@ bool filtersExactly(const GlFunctions& gl) {
   look(DeviceType::kF32, std::as_bytes(std::span(kFloats)));
   look(DeviceType::kU8, std::as_bytes(std::span(kBytes)));
   return largest < kExact;
-}
-
-bool mustFetch(const GlContext& context) {
-  const char* const given = std::getenv("GALLIVM_PERF");
-  const bool keeps_exact =
-      given != nullptr && std::string_view(given).find(kExactSampling) != std::string_view::npos;
-  if (context.isSoftware() && keeps_exact) return false;
-  return !filtersExactly(context.functions());
 }
 
 }  // namespace sluice

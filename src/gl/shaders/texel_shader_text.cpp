@@ -53,8 +53,8 @@ vec2 filteredAt(vec3 at) {
 }
 
 #if SURFACES > 0
-// The value at an end of a slice's way, for finding slices that may meet a surface. Beside values that
-// stand for infinities the hardware's are off by more than `filter_tie`.
+// The value at an end of a slice's way, for finding slices that may meet a surface. Beside values
+// that stand for infinities the hardware's are off by more than `filter_tie`.
 float endAt(vec3 at) {
 #if FLOATS
   return filteredAt(at).r;
@@ -145,9 +145,10 @@ vec2 neighbors(vec4 first, vec4 second, vec4 third, vec4 fourth, float along, ve
   return vec2(dot(before, weight), dot(after, weight));
 }
 #endif
-// From one voxel to the next, along the texture's axes. On software GL the reads beyond the first
-// are half of a lit frame, so that gradients kept with the voxels could save that at most; they
-// would need 16 bits a component and take eight times the bytes of 8-bit data at every level.
+// The change from one voxel to the next, along the texture's axes. On software GL the reads beyond
+// the first are half of a lit frame, so that gradients kept with the voxels could save that at
+// most; they would need 16 bits a component and take eight times the bytes of 8-bit data at every
+// level.
 vec3 differenceAt(vec3 at) {
 #if FETCHES
   ivec3 last = textureSize(chunk, 0) - 1;
