@@ -22,11 +22,9 @@ constexpr bool isIntegrated(Shading shading) {
 
 template <DeviceType kType, Shading kShading>
 HWY_INLINE V3 differencesOf(const KernelBox& box, const V3& at, const Place& place) {
-  if constexpr (hasTwoNumbers(kShading))
-    return differencesWithoutMargin<kType, true>(box, at);
-  else
-    return box.has_margin ? differencesAt<kType>(box, place)
-                          : differencesWithoutMargin<kType>(box, at);
+  constexpr bool kSpread = hasTwoNumbers(kShading);
+  return box.has_margin ? differencesAt<kType, kSpread>(box, place)
+                        : differencesWithoutMargin<kType, kSpread>(box, at);
 }
 
 // The colour of a label of which a texel's finest voxels have a share.

@@ -110,14 +110,14 @@ HWY_INLINE V valueAt(const KernelBox& box, const Place& place) {
   return between(lower, upper, place.fz, hn::Sub(all(1.0F), place.fz));
 }
 
-// The eight texels around a place in a chunk with spreads: pairs of the four rows.
+// Pairs of four rows of a chunk with spreads, each `more` bytes from each offset on.
 struct SpreadRows {
   Pair mean[4], spread[4];
 };
 template <DeviceType kType>
-HWY_INLINE SpreadRows spreadRowsAround(const KernelBox& box, VI offset) {
-  const auto y = static_cast<int64_t>(box.stride[1]), z = static_cast<int64_t>(box.stride[2]);
-  const std::byte* from[4] = {box.texels, box.texels + y, box.texels + z, box.texels + y + z};
+HWY_INLINE SpreadRows spreadRowsAt(const KernelBox& box, VI offset, const int64_t (&more)[4]) {
+  const std::byte* from[4] = {box.texels + more[0], box.texels + more[1], box.texels + more[2],
+                              box.texels + more[3]};
   SpreadRows rows;
   if constexpr (kType == DeviceType::kU8) {
     VI bytes[4];
@@ -143,6 +143,12 @@ HWY_INLINE SpreadRows spreadRowsAround(const KernelBox& box, VI offset) {
     }
   }
   return rows;
+}
+// Those around a place.
+template <DeviceType kType>
+HWY_INLINE SpreadRows spreadRowsAround(const KernelBox& box, VI offset) {
+  const auto y = static_cast<int64_t>(box.stride[1]), z = static_cast<int64_t>(box.stride[2]);
+  return spreadRowsAt<kType>(box, offset, {0, y, z, y + z});
 }
 HWY_INLINE V withinRows(const Pair (&rows)[4], const Place& place) {
   const V one = all(1.0F), rx = hn::Sub(one, place.fx), ry = hn::Sub(one, place.fy),
@@ -258,7 +264,7 @@ HWY_INLINE V halfDifference(V next, V last) {
 }
 
 // Half of the difference between the values a texel on and a texel back along one texel axis.
-template <DeviceType kType, bool kSpread = false>
+template <DeviceType kType, bool kSpread>
 HWY_INLINE V differenceAlong(const KernelBox& box, V3 at, int axis) {
   V3 after = at, before = at;
   V& on = axis == 0 ? after.x : axis == 1 ? after.y : after.z;
@@ -279,22 +285,33 @@ HWY_INLINE V differenceAlong(const KernelBox& box, V3 at, int axis) {
   return halfDifference<kType>(next, last);
 }
 
-// The differences along each axis. If chunks have a margin, differencesAt() does it with fewer reads; the rest
-// is rare and so long that it is a call of its own.
-template <DeviceType kType, bool kSpread = false>
+// The differences along each axis. If chunks have a margin, differencesAt() does it with fewer
+// reads; the rest is rare and so long that it is a call of its own.
+template <DeviceType kType, bool kSpread>
 HWY_NOINLINE V3 differencesWithoutMargin(const KernelBox& box, V3 at) {
   return {differenceAlong<kType, kSpread>(box, at, 0), differenceAlong<kType, kSpread>(box, at, 1),
           differenceAlong<kType, kSpread>(box, at, 2)};
+}
+
+// The pairs of four rows: of values, or of means.
+template <DeviceType kType, bool kSpread>
+HWY_INLINE Rows pairsAt(const KernelBox& box, VI offset, const int64_t (&more)[4]) {
+  if constexpr (kSpread) {
+    const SpreadRows rows = spreadRowsAt<kType>(box, offset, more);
+    return {{rows.mean[0], rows.mean[1], rows.mean[2], rows.mean[3]}};
+  } else {
+    return rowsAt<kType>(box, offset, more);
+  }
 }
 
 // Texels of four rows along x, from one before a place on.
 struct LongRows {
   V before[4], first[4], second[4], after[4];
 };
-template <DeviceType kType>
+template <DeviceType kType, bool kSpread>
 HWY_INLINE LongRows longRowsAt(const KernelBox& box, VI offset, const int64_t (&more)[4]) {
   LongRows rows;
-  if constexpr (kType == DeviceType::kU8) {
+  if constexpr (kType == DeviceType::kU8 && !kSpread) {
     const VI mask = hn::Set(I(), 255);
     const std::byte* from[4] = {box.texels + more[0] - 1, box.texels + more[1] - 1,
                                 box.texels + more[2] - 1, box.texels + more[3] - 1};
@@ -307,11 +324,11 @@ HWY_INLINE LongRows longRowsAt(const KernelBox& box, VI offset, const int64_t (&
       rows.after[i] = hn::ConvertTo(F(), hn::And(hn::ShiftRight<24>(bytes[i]), mask));
     }
   } else {
-    constexpr int64_t kTexel = kType == DeviceType::kU16 ? 2 : 4;
-    const Rows lower = rowsAt<kType>(
-        box, offset, {more[0] - kTexel, more[1] - kTexel, more[2] - kTexel, more[3] - kTexel});
-    const Rows upper = rowsAt<kType>(
-        box, offset, {more[0] + kTexel, more[1] + kTexel, more[2] + kTexel, more[3] + kTexel});
+    const auto texel = static_cast<int64_t>(box.stride[0]);
+    const Rows lower = pairsAt<kType, kSpread>(
+        box, offset, {more[0] - texel, more[1] - texel, more[2] - texel, more[3] - texel});
+    const Rows upper = pairsAt<kType, kSpread>(
+        box, offset, {more[0] + texel, more[1] + texel, more[2] + texel, more[3] + texel});
     for (int i = 0; i < 4; ++i) {
       rows.before[i] = lower.pair[i].first;
       rows.first[i] = lower.pair[i].second;
@@ -323,13 +340,13 @@ HWY_INLINE LongRows longRowsAt(const KernelBox& box, VI offset, const int64_t (&
 }
 
 // differenceAlong() each axis at once, of a box with a margin: neighbours share most of the texels.
-template <DeviceType kType>
+template <DeviceType kType, bool kSpread>
 HWY_INLINE V3 differencesAt(const KernelBox& box, const Place& place) {
   const auto y = static_cast<int64_t>(box.stride[1]), z = static_cast<int64_t>(box.stride[2]);
   const V one = all(1.0F), fx = place.fx, fy = place.fy, fz = place.fz;
   const V rx = hn::Sub(one, fx), ry = hn::Sub(one, fy), rz = hn::Sub(one, fz);
   // [j + 2 * k]: j rows and k planes on.
-  const LongRows near = longRowsAt<kType>(box, place.offset, {0, y, z, y + z});
+  const LongRows near = longRowsAt<kType, kSpread>(box, place.offset, {0, y, z, y + z});
   V inner[4], last_x[4], next_x[4];
   for (int i = 0; i < 4; ++i) {
     inner[i] = between(near.first[i], near.second[i], fx, rx);
@@ -341,8 +358,8 @@ HWY_INLINE V3 differencesAt(const KernelBox& box, const Place& place) {
   const V next_of_x = between(between(next_x[0], next_x[1], fy, ry),
                               between(next_x[2], next_x[3], fy, ry), fz, rz);
   // A row back, of both planes, and a row beyond; a plane back, of both rows, and a plane beyond.
-  const Rows along_y = rowsAt<kType>(box, place.offset, {-y, z - y, 2 * y, z + 2 * y});
-  const Rows along_z = rowsAt<kType>(box, place.offset, {-z, y - z, 2 * z, y + 2 * z});
+  const Rows along_y = pairsAt<kType, kSpread>(box, place.offset, {-y, z - y, 2 * y, z + 2 * y});
+  const Rows along_z = pairsAt<kType, kSpread>(box, place.offset, {-z, y - z, 2 * z, y + 2 * z});
   V last_y[2], next_y[2], last_z[2], next_z[2];
   for (int i = 0; i < 2; ++i) {
     const Pair &row_back = along_y.pair[i], &row_on = along_y.pair[i + 2];
