@@ -33,10 +33,10 @@ constexpr std::array<Ellipsoid, 10> kHead = {{
 constexpr double kScale = 0.9;        // leaves room for the texture above bone
 constexpr float kTexture = 0.03F;     // amplitude
 constexpr float kAirDensity = 0.01F;  // below this is air: exactly 0, no texture
-// Half of the width of an edge in voxels, as a scanner blurs it. Narrower ones are stairs to the
-// central differences that light a surface: rings. Volumes of few voxels have narrow edges all the
-// same, so that the skull keeps its density.
-constexpr double kEdgeVoxels = 1.5, kLeastEdgeVoxels = 0.5, kVoxelsOfWholeEdge = 256;
+// Half of the width of an edge in voxels, as a scanner blurs it. Interpolation and central
+// differences make stairs of narrower ones, which light shows as rings. Volumes of few voxels have
+// narrow edges all the same, so that the skull keeps its density.
+constexpr double kEdgeVoxels = 2.25, kLeastEdgeVoxels = 0.5, kVoxelsOfWholeEdge = 256;
 
 // A half-open run of voxels along x.
 struct Run {

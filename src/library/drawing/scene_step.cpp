@@ -30,11 +30,11 @@ int finestLevelOf(const Scene& scene, const Layer& layer, const TimeStep& step, 
 double chosenStepOf(const Scene& scene, const Layer& layer, const TimeStep& step, const View& view,
                     const FrameOptions& options) {
   const int level = finestLevelOf(scene, layer, step, view, options);
-  // At the edge of a body, light changes faster from slice to slice than the means of a coarse
-  // level do. Frames of a moving picture have no time for more slices.
-  constexpr double kLitLevelFactor = 0.5;
-  const bool is_finer = level > 0 && layer.look.lit && !options.time_limit_s;
-  const double chosen = stepFor(view, step, level) * (is_finer ? kLitLevelFactor : 1);
+  // At the edge of a body, light changes faster from slice to slice than values do, which shows as
+  // rings. Frames of a moving picture have no time for more slices.
+  constexpr double kLitFactor = 0.5;
+  const bool is_finer = layer.look.lit && !options.time_limit_s;
+  const double chosen = stepFor(view, step, level) * (is_finer ? kLitFactor : 1);
   if (!options.integrates || drawsCut(step, options.cut, options.mode, layer.look.transfer))
     return chosen;
   // As long as frames may integrate.
