@@ -31,9 +31,9 @@ double chosenStepOf(const Scene& scene, const Layer& layer, const TimeStep& step
                     const FrameOptions& options) {
   const int level = finestLevelOf(scene, layer, step, view, options);
   // At the edge of a body, light changes faster from slice to slice than values do, which shows as
-  // rings. Frames of a moving picture have no time for more slices.
+  // rings. Frames of a moving picture that shows coarser levels have no time for more slices.
   constexpr double kLitFactor = 0.5;
-  const bool is_finer = layer.look.lit && !options.time_limit_s;
+  const bool is_finer = layer.look.lit && (level == 0 || !options.time_limit_s);
   const double chosen = stepFor(view, step, level) * (is_finer ? kLitFactor : 1);
   if (!options.integrates || drawsCut(step, options.cut, options.mode, layer.look.transfer))
     return chosen;

@@ -56,6 +56,7 @@ void DrawingJobs::useLook(const LookOptions& look, bool is_shown) {
   if (!is_shown) return;
   opened_.shown_look = look;
   auto shown = std::make_unique<ShownLook>(opened_.renderer->shownLook());
+  opened_.is_lit = shown->lit;
   news_.add([&](News& news) { news.look.swap(shown); });
 }
 
@@ -70,8 +71,9 @@ double DrawingJobs::wholeStep(const Wish& wish) const {
   const double pixel_vox =
       worldPerPixel(wish.state.view, {wish.width, wish.height}, opened_.ground) /
       opened_.ground.finest_spacing;
-  if (pixel_vox < 1) return 0.5;
-  if (!drawsLevels(wish)) return 1;
+  // As the library chooses it, see Scene::chosenStep().
+  if (pixel_vox < 1 || !drawsLevels(wish))
+    return (pixel_vox < 1 ? 0.5 : 1) * (opened_.is_lit ? 0.5 : 1);
   const int coarsest = opened_.volume->info().levels - 1;
   return std::exp2(std::min<double>(coarsest, std::floor(std::log2(pixel_vox))));
 }

@@ -65,6 +65,7 @@ class DrawingJobs {
     std::unique_ptr<Renderer> renderer;  // null: see useLook()
     LookOptions look;                    // the renderer's look
     LookOptions shown_look;              // look of the newest news; a film's frames have others
+    bool is_lit = false;                 // whether that look is
     Ground ground;
     Pace pace;
     struct Slice {
