@@ -1,8 +1,10 @@
 #include "src/classify/transfer/transfer_file.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <numeric>
 #include <optional>
 
 #include "src/base/error.h"
@@ -35,14 +37,47 @@ ColorPoint colorPoint(const JsonField& field) {
   return {field[0].number(), {field[1].share(), field[2].share(), field[3].share()}};
 }
 
-OpacityPoint opacityPoint(const JsonField& field, double unit_length_vox) {
+OpacityPoint opacityPoint(const JsonField& field) {
   if (!field.isArray() || field.size() != 2) field.failExpected("[value, opacity]");
-  const double given = field[1].share();
-  // The transmittance of one voxel length is the unit_length_vox-th root of that of
-  // unit_length_vox.
-  const double opacity =
-      unit_length_vox == 1 ? given : -std::expm1(std::log1p(-given) / unit_length_vox);
-  return {field[0].number(), opacity};
+  return {field[0].number(), field[1].share()};
+}
+
+// The opacity of one voxel length: its transmittance is the unit_length_vox-th root of that of
+// unit_length_vox.
+double ofOneVoxel(double opacity, double unit_length_vox) {
+  return -std::expm1(std::log1p(-opacity) / unit_length_vox);
+}
+
+// Appends the opacities of one voxel length on the way from a point of those of unit_length_vox to
+// the next, in as many straight pieces as follow the curve.
+void appendCurve(const OpacityPoint& from, const OpacityPoint& to, double unit_length_vox,
+                 int halvings, std::vector<OpacityPoint>& out) {
+  constexpr double kTolerance = 1e-3;
+  const double first = ofOneVoxel(from.opacity, unit_length_vox),
+               last = ofOneVoxel(to.opacity, unit_length_vox);
+  double most_off = 0;
+  for (const double part : {0.25, 0.5, 0.75}) {
+    const double opacity = ofOneVoxel(std::lerp(from.opacity, to.opacity, part), unit_length_vox);
+    most_off = std::max(most_off, std::abs(opacity - std::lerp(first, last, part)));
+  }
+  if (halvings > 0 && to.value > from.value && most_off > kTolerance) {
+    const OpacityPoint middle{std::midpoint(from.value, to.value),
+                              std::midpoint(from.opacity, to.opacity)};
+    appendCurve(from, middle, unit_length_vox, halvings - 1, out);
+    appendCurve(middle, to, unit_length_vox, halvings - 1, out);
+    return;
+  }
+  out.push_back({to.value, last});
+}
+
+std::vector<OpacityPoint> curveOf(const std::vector<OpacityPoint>& given, double unit_length_vox) {
+  if (unit_length_vox == 1) return given;
+  constexpr int kMostHalvings = 16;
+  std::vector<OpacityPoint> curve{
+      {given.front().value, ofOneVoxel(given.front().opacity, unit_length_vox)}};
+  for (size_t i = 1; i < given.size(); ++i)
+    appendCurve(given[i - 1], given[i], unit_length_vox, kMostHalvings, curve);
+  return curve;
 }
 
 // The points of a list, ascending.
@@ -139,9 +174,8 @@ TransferFunction ownTransfer(const JsonField& document, const std::string& where
   const auto name = document.find("name");
   transfer.name = name ? name->text() : where;
   transfer.colors = readColors(document, unit ? ValueRange{0, 1} : range, where);
-  transfer.opacities = points<OpacityPoint>(
-      document.require("opacities"),
-      [&](const JsonField& field) { return opacityPoint(field, unit_length_vox); });
+  transfer.opacities =
+      curveOf(points<OpacityPoint>(document.require("opacities"), opacityPoint), unit_length_vox);
   transfer.gradients = readGradients(document);
   if (const auto labels = document.find("labels")) transfer.labels = labels->flag();
   if (unit) {
