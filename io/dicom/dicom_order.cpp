@@ -40,6 +40,8 @@ class StackOrder {
       sortByNumber();
       placeWithoutPositions();
     }
+    if (placed_[0].functions.position && !placed_[0].functions.pixel_spacing)
+      note("its slices do not tell the size of their pixels, which are drawn 1 mm wide");
     setValues();
     checkedVolumeBytes(first_.path, layout_);
     return {std::move(layout_), framesInOrder(), linesInOrder()};

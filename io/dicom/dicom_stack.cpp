@@ -24,13 +24,25 @@ std::array<int64_t, 6> roundedDirections(const DicomFunctions& functions) {
   return rounded;
 }
 
+// The size of a pixel, rounded: one that differs by less moves a pixel of a thousand by a tenth.
+std::array<int64_t, 2> roundedSpacing(const DicomFunctions& functions) {
+  if (!functions.pixel_spacing) return {};
+  const auto rounded = [](double mm) {
+    constexpr double kSteps = 1e4;  // a factor of e
+    return std::llround(kSteps * std::log(std::max(std::abs(mm), 1e-30)));
+  };
+  return {rounded((*functions.pixel_spacing)[0]), rounded((*functions.pixel_spacing)[1])};
+}
+
 // The properties that all frames of a stack share.
-using StackKey = std::tuple<int64_t, std::string, std::array<int64_t, 6>, std::string, int64_t,
-                            int64_t, int64_t, int64_t, int64_t, int64_t, bool, bool, bool, bool>;
+using StackKey =
+    std::tuple<int64_t, std::string, std::array<int64_t, 6>, std::array<int64_t, 2>, std::string,
+               int64_t, int64_t, int64_t, int64_t, int64_t, int64_t, bool, bool, bool, bool>;
 StackKey keyOf(const DicomHeader& h, const DicomFunctions& functions) {
   return {h.series_number,
           h.series,
           roundedDirections(functions),
+          roundedSpacing(functions),
           h.modality,
           h.columns,
           h.rows,

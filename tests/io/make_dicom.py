@@ -189,6 +189,14 @@ for i, name in enumerate(sorted(n for n in os.listdir(folder) if n.startswith("I
     os.rename(os.path.join(folder, name), os.path.join(folder, f"disk{i % 3}", name))
 open(os.path.join(folder, "README"), "w").write("not an image\n")
 
+# One slice is of larger pixels; no slice tells the size of its pixels.
+folder = listed("sizes", ct)
+series(folder, ct)
+d = image("1.2.3.10.1", ct[0])
+place(d, 100, spacing=(0.9, 0.9, 2.5))
+save(d, os.path.join(folder, "larger"))
+series(listed("unsized", ct, (1, 1, 2.5)), ct, lambda d, z: delattr(d, "PixelSpacing"))
+
 # Two series, and a scout of another size in one of them.
 folder = listed("several", ct)
 series(folder, ct)

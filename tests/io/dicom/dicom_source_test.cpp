@@ -102,6 +102,9 @@ TEST_F(DicomSeries, sayWhatIsMissingOrTwiceThere) {
   EXPECT_THAT(notesOf("times"), ElementsAre(HasSubstr("3 slices, which are read as time steps")));
   EXPECT_THAT(notesOf("no-positions"), ElementsAre(HasSubstr("tell no positions")));
   EXPECT_THAT(notesOf("colors"), ElementsAre(HasSubstr("luminance")));
+  EXPECT_THAT(notesOf("sizes"), ElementsAre(AllOf(HasSubstr("9 slices) of 2 is read"),
+                                                  HasSubstr("(CT, 20 x 14, 1 slice)"))));
+  EXPECT_THAT(notesOf("unsized"), ElementsAre(HasSubstr("do not tell the size of their pixels")));
 }
 
 TEST_F(DicomSeries, areChosenByTheirNumbers) {
