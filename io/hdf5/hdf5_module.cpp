@@ -21,6 +21,21 @@ Mutex& libraryMutex() {
   return mutex;
 }
 
+// Every call of the library is made with this lock held. What goes wrong is reported by exceptions:
+// without it each thread would print the library's own report once more.
+class SLUICE_SCOPED_CAPABILITY LibraryLock {
+ public:
+  LibraryLock() SLUICE_ACQUIRE(libraryMutex()) : lock_(libraryMutex()) {
+    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  }
+  ~LibraryLock() SLUICE_RELEASE() {}
+  LibraryLock(const LibraryLock&) = delete;
+  LibraryLock& operator=(const LibraryLock&) = delete;
+
+ private:
+  MutexLock lock_;
+};
+
 // An identifier of the library, closed at the end.
 class Handle {
  public:
@@ -166,7 +181,7 @@ class Set final : public Hdf5Set {
   }
   ~Set() override {
     // Closed with the mutex held.
-    const MutexLock lock(libraryMutex());
+    const LibraryLock lock;
     { const Handle gone(std::move(set_)); }
     file_.reset();
   }
@@ -176,7 +191,7 @@ class Set final : public Hdf5Set {
   const Hdf5Description& description() const override { return description_; }
 
   uint64_t storedBytes(std::span<const int64_t> corner) override {
-    const MutexLock lock(libraryMutex());
+    const LibraryLock lock;
     hsize_t bytes = 0;
     // A chunk that is missing is a failure to some versions and no bytes to others.
     if (H5Dget_chunk_storage_size(set_.get(), sizes(corner).data(), &bytes) < 0) return 0;
@@ -184,7 +199,7 @@ class Set final : public Hdf5Set {
   }
 
   uint32_t readStored(std::span<const int64_t> corner, std::span<std::byte> out) override {
-    const MutexLock lock(libraryMutex());
+    const LibraryLock lock;
     uint32_t mask = 0;
     if (H5Dread_chunk(set_.get(), H5P_DEFAULT, sizes(corner).data(), &mask, out.data()) < 0)
       fail("{}: a chunk cannot be read: {}", name_, reason());
@@ -193,7 +208,7 @@ class Set final : public Hdf5Set {
 
   void readBox(std::span<const int64_t> corner, std::span<const int64_t> extents,
                std::span<std::byte> out) override {
-    const MutexLock lock(libraryMutex());
+    const LibraryLock lock;
     const Handle space(H5Dget_space(set_.get()), H5Sclose);
     const std::vector<hsize_t> from = sizes(corner), count = sizes(extents);
     const Handle memory(H5Screate_simple(static_cast<int>(count.size()), count.data(), nullptr),
@@ -278,8 +293,7 @@ class Set final : public Hdf5Set {
 class File final : public Hdf5File {
  public:
   explicit File(std::string path) : path_(std::move(path)) {
-    const MutexLock lock(libraryMutex());
-    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+    const LibraryLock lock;
     const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
     H5Pset_file_locking(access.get(), false, true);  // a file that may only be read is read, too
     file_ =
@@ -288,14 +302,14 @@ class File final : public Hdf5File {
       fail("{}: expected an HDF5 file, found none that can be opened: {}", path_, reason());
   }
   ~File() override {
-    const MutexLock lock(libraryMutex());
+    const LibraryLock lock;
     file_.reset();
   }
   File(const File&) = delete;
   File& operator=(const File&) = delete;
 
   std::vector<Hdf5Entry> sets(size_t most) override {
-    const MutexLock lock(libraryMutex());
+    const LibraryLock lock;
     struct Visit {
       std::vector<Hdf5Entry> found;
       size_t most;
@@ -319,18 +333,18 @@ class File final : public Hdf5File {
   }
 
   bool has(const std::string& path) override {
-    const MutexLock lock(libraryMutex());
+    const LibraryLock lock;
     return exists(path);
   }
 
   std::unique_ptr<Hdf5Set> open(const std::string& path) override {
-    const MutexLock lock(libraryMutex());
+    const LibraryLock lock;
     if (!exists(path)) fail("{}: expected a data set {}, found none", path_, path);
     return std::make_unique<Set>(file_, path_, path);
   }
 
   std::vector<Hdf5Attribute> attributes(const std::string& path) override {
-    const MutexLock lock(libraryMutex());
+    const LibraryLock lock;
     if (!exists(path)) return {};
     const Handle object(H5Oopen(file_->get(), path.c_str(), H5P_DEFAULT), H5Oclose);
     if (!object) return {};

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <thread>
 
 #include "io/hdf5/hdf5_filters.h"
 #include "io/open_volume.h"
@@ -79,6 +80,14 @@ TEST_F(Hdf5, onlyWhatIsNeededIsRead) {
   const uint64_t unread = chunked->storedBytesRead();
   readBox(*chunked, {{0, 0, 0}, {6, 5, 4}}, 0);
   EXPECT_LE(chunked->storedBytesRead() - unread, 6U * 5 * 4 * 2 + 8);
+}
+
+// The library keeps in each thread whether it prints its own reports.
+TEST_F(Hdf5, chunksThatAreNotThereAreReadInSilenceByAnyThread) {
+  const auto source = open("sets.h5:/holes_uint8");
+  testing::internal::CaptureStderr();
+  std::thread([&] { readAll(*source); }).join();
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
 }
 
 TEST_F(Hdf5, wrongNamesAndSetsAreOneLine) {
