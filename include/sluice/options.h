@@ -120,7 +120,7 @@ struct ViewOptions {
   From from = From::kThreeQuarter;
   double azimuth_deg = 0;    // about the up axis, to the viewer's right
   double elevation_deg = 0;  // lifts the camera
-  double zoom = 1;           // above 0
+  double zoom = 1;           // 1e-6 to 1e6
   Projection projection = Projection::kParallel;
   double field_of_view_deg = 30;                 // vertical, of perspective; in (0, 180)
   std::optional<std::array<double, 3>> up = {};  // world direction; unset: from `from`

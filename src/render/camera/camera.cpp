@@ -78,11 +78,11 @@ void requireFinite(Vec3d v, const char* what) {
 void requireValid(const Camera& camera, PictureSize size) {
   if (size.width < 1 || size.height < 1)
     failRequest("a picture of {} x {} pixels: both must be at least 1", size.width, size.height);
-  if (!(camera.zoom > 0) || !std::isfinite(camera.zoom))
-    failRequest("a zoom of {}: must be above 0", camera.zoom);
-  if (!(camera.field_of_view_deg > 0 && camera.field_of_view_deg < 180))
-    failRequest("a field of view of {} degrees: must be above 0 and below 180",
-                camera.field_of_view_deg);
+  if (!(camera.zoom >= kLeastZoom && camera.zoom <= kMostZoom))
+    failRequest("a zoom of {}: must be from {} to {}", camera.zoom, kLeastZoom, kMostZoom);
+  if (!(camera.field_of_view_deg >= kLeastFieldOfViewDeg && camera.field_of_view_deg < 180))
+    failRequest("a field of view of {} degrees: must be at least {} and below 180",
+                camera.field_of_view_deg, kLeastFieldOfViewDeg);
   if (!std::isfinite(camera.azimuth_deg))
     failRequest("an azimuth of {} degrees: must be finite", camera.azimuth_deg);
   if (!std::isfinite(camera.elevation_deg))

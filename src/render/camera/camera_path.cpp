@@ -51,11 +51,13 @@ CameraKey parseKey(const json& key, const std::string& where) {
   result.elevation_deg = number(key, "elevation", where);
   result.zoom = number(key, "zoom", where);
   result.field_of_view_deg = number(key, "fov", where);
-  if (result.zoom && !(*result.zoom > 0)) fail("{}: \"zoom\" should be above 0", where);
+  if (result.zoom && !(*result.zoom >= kLeastZoom && *result.zoom <= kMostZoom))
+    fail("{}: \"zoom\" should be from {} to {}, found {}", where, kLeastZoom, kMostZoom,
+         *result.zoom);
   if (result.field_of_view_deg &&
-      !(*result.field_of_view_deg > 0 && *result.field_of_view_deg < 180))
-    fail("{}: \"fov\" should be above 0 and below 180 degrees, found {}", where,
-         *result.field_of_view_deg);
+      !(*result.field_of_view_deg >= kLeastFieldOfViewDeg && *result.field_of_view_deg < 180))
+    fail("{}: \"fov\" should be at least {} and below 180 degrees, found {}", where,
+         kLeastFieldOfViewDeg, *result.field_of_view_deg);
   result.eye = triple(key, "eye", where);
   result.target = triple(key, "target", where);
   result.up = triple(key, "up", where);

@@ -10,7 +10,7 @@ namespace sluice {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
-constexpr double kLeastZoom = 1e-3, kMostZoom = 1e5;
+constexpr double kLeastZoomByHand = 1e-3, kMostZoomByHand = 1e5;
 
 Vec3d vec(const std::array<double, 3>& v) {
   return {v[0], v[1], v[2]};
@@ -144,7 +144,7 @@ ViewOptions zoomTo(const ViewOptions& view, double factor, double x, double y, P
     next.look_at->target = asArray(under + (target - under) / factor);
     return next;
   }
-  next.zoom = std::clamp(view.zoom * factor, kLeastZoom, kMostZoom);
+  next.zoom = std::clamp(view.zoom * factor, kLeastZoomByHand, kMostZoomByHand);
   return moved(next, (under - target) * (1 - view.zoom / next.zoom));
 }
 
@@ -188,7 +188,7 @@ ViewOptions withProjection(const ViewOptions& view, ViewOptions::Projection proj
   if (isPerspective(next)) {
     next.look_at->eye = asArray(vec(view.look_at->target) + axesOf(view).back * (half / unit));
   } else {
-    next.zoom = std::clamp(unit / half, kLeastZoom, kMostZoom);
+    next.zoom = std::clamp(unit / half, kLeastZoomByHand, kMostZoomByHand);
   }
   return next;
 }

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "src/base/error.h"
+#include "src/render/camera/camera.h"
 #include "src/view/state/option_members.h"
 
 namespace sluice {
@@ -109,12 +110,16 @@ std::vector<OptionEntry> makeTable() {
   return {
       in(&View::projection, {"projection", "--projection", 20, wordOf({"ortho", "perspective"}), "",
                              "Projection of the camera"}),
-      in(&View::zoom, {"zoom", "--zoom", 28, factor, "FACTOR",
+      in(&View::zoom, {"zoom",
+                       "--zoom",
+                       28,
+                       {Form::kNumber, {kLeastZoom, kMostZoom}},
+                       "FACTOR",
                        "Magnification; 1 shows everything that --fit names"}),
       in(&View::field_of_view_deg, {"fov",
                                     "--fov",
                                     29,
-                                    {Form::kNumber, {0, 179, true}},
+                                    {Form::kNumber, {kLeastFieldOfViewDeg, 179}},
                                     "DEGREES",
                                     "Vertical field of view of a perspective camera",
                                     nullptr,
