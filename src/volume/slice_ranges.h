@@ -66,6 +66,11 @@ struct SliceRanges {
     const auto* first = reinterpret_cast<const PlaneRange<T>*>(planes.data());
     return {first + (held * 3 + static_cast<size_t>(axis)) * count, count};
   }
+  // Whether a voxel may be a finite number.
+  bool mayHoldNumbers() const {
+    return !unknown.empty() || !is_listed || !counts.entries.empty() ||
+           far_range.lo <= far_range.hi;
+  }
   bool isKnown(int64_t block) const { return !std::ranges::binary_search(unknown, block); }
   uint64_t bytes() const {
     return (blocks.size() + unknown.size()) * sizeof(int64_t) + totals.size() + planes.size();

@@ -3,6 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <fstream>
+#include <limits>
+#include <vector>
 
 #include "tests/tools/program.h"
 
@@ -46,6 +49,53 @@ TEST(EmptyPicture, saysWhyInOneLine) {
     EXPECT_THAT(result.output, HasSubstr(each.why)) << each.options;
     EXPECT_EQ(warnings(result.output), 1) << result.output;
   }
+}
+
+template <class T>
+void writeVolume(const Program& program, const char* name, const std::vector<T>& voxels) {
+  std::ofstream(program.folder / name, std::ios::binary)
+      .write(reinterpret_cast<const char*>(voxels.data()),
+             static_cast<std::streamsize>(voxels.size() * sizeof(T)));
+}
+
+TEST(EmptyPicture, noFiniteNumberIsSaidSo) {
+  const Program program;
+  writeVolume(program, "nan_8x8x8_float32.raw",
+              std::vector<float>(512, std::numeric_limits<float>::quiet_NaN()));
+  const std::string said = program.run("render nan_8x8x8_float32.raw -o a.png --size 20").output;
+  EXPECT_THAT(said, HasSubstr("a.png shows nothing: no voxel is a finite number"));
+  const std::string info = program.run("info nan_8x8x8_float32.raw").output;
+  EXPECT_THAT(info, HasSubstr("no value is a finite number"));
+  EXPECT_THAT(info, HasSubstr("0 of them not all NaN"));
+}
+
+// Next to the picture that shows something else than its values say.
+TEST(EmptyPicture, valuesThatFloatsMergeAreNamed) {
+  const Program program;
+  std::vector<uint32_t> labels(512, 16777216);
+  labels[3] = 16777217;
+  writeVolume(program, "labels_8x8x8_uint32.raw", labels);
+  EXPECT_THAT(program.run("info labels_8x8x8_uint32.raw").output,
+              HasSubstr("integers of 32 bits are drawn as floats, which are 2 apart"));
+  std::vector<double> doubles(512, 1e6);
+  doubles[3] = 1e6 + 0.02;
+  writeVolume(program, "doubles_8x8x8_float64.raw", doubles);
+  EXPECT_THAT(program.run("info doubles_8x8x8_float64.raw").output,
+              HasSubstr("doubles are drawn as floats, which are 0.0625 apart"));
+  labels.assign(512, 16777215);
+  doubles[3] = 3e6;
+  writeVolume(program, "labels_8x8x8_uint32.raw", labels);
+  writeVolume(program, "doubles_8x8x8_float64.raw", doubles);
+  for (const char* name : {"labels_8x8x8_uint32.raw", "doubles_8x8x8_float64.raw"})
+    EXPECT_THAT(program.run(std::string("info ") + name).output, Not(HasSubstr("apart")));
+}
+
+TEST(EmptyPicture, aThresholdIsComparedWithTheValuesNotWithTheColours) {
+  const Program program;
+  const std::string line = std::string("render ") + kSmall + " -o a.png --size 40 --force ";
+  EXPECT_THAT(program.run(line + "--threshold 90 --range 5,50").output, Not(HasSubstr("shows")));
+  EXPECT_THAT(program.run(line + "--threshold 900 --range 5,5000").output,
+              HasSubstr("--threshold 900: nothing shows, the values are 0 to"));
 }
 
 TEST(EmptyPicture, othersSayNothing) {

@@ -1,12 +1,16 @@
 // sluice info: the properties of a volume, and its index, which is built if it is missing.
 #include <fmt/format.h>
 
+#include <cmath>
 #include <memory>
+#include <string>
 
 #include "src/base/values/bytes.h"
 #include "src/base/values/level_kinds.h"
 #include "src/base/values/volume_levels.h"
 #include "src/library/opening/thick_source.h"
+#include "src/volume/device_voxel.h"
+#include "src/volume/slice_ranges.h"
 #include "tools/command_line/console.h"
 #include "tools/commands/commands.h"
 #include "tools/options/shared_options.h"
@@ -91,6 +95,14 @@ std::string orientationText(const VolumeLayout& layout) {
   return "orientation not said";
 }
 
+// The value of the blocks that are not held.
+std::string backgroundText(const SliceRanges& ranges) {
+  const double device = ranges.background;
+  if (ranges.map.type == DeviceType::kF32 && std::abs(device) >= kLargest)
+    return device <= kNotANumber ? "NaN" : device > 0 ? "inf" : "-inf";
+  return fmt::format("{}", ranges.map.valueOf(device));
+}
+
 void print(const IndexedVolume& volume, const ChosenLook& look) {
   const VolumeLayout& layout = storedLayout(*volume.source);
   const Vec3i dims = layout.dims;
@@ -110,10 +122,13 @@ void print(const IndexedVolume& volume, const ChosenLook& look) {
   if (layout.channels > 1) say("  channel {} of {}\n", layout.channel, layout.channels);
   if (layout.levels > 1) say("  level 0 of {} resolutions (--levels lists them)\n", layout.levels);
   if (layout.grids.size() > 1) say("  --grid takes one of: {}\n", joined(layout.grids, ", "));
-  say("  values {} to {}\n", range.lo, range.hi);
+  const SliceRanges& ranges = volume.index->ranges;
+  if (ranges.mayHoldNumbers())
+    say("  values {} to {}\n", range.lo, range.hi);
+  else
+    say("  no value is a finite number\n");
   say("  {} blocks of {} a side, {} of them not all {}\n", volume.layout.blockCount(),
-      volume.layout.size, volume.index->ranges.blocks.size(),
-      volume.map.valueOf(volume.index->ranges.background));
+      volume.layout.size, ranges.blocks.size(), backgroundText(ranges));
   say("  look {}: {}{}\n", look.transfer.name, look.options,
       layout.time_steps > 1 ? " (of this step; a picture uses the range of all steps)" : "");
   say("  index {}{}{}\n", volume.index->state, volume.index->path.empty() ? "" : ": ",

@@ -158,10 +158,11 @@ class Chooser {
     addMap(map);
     if (look_.range) measureFlatness(range_);
     if (look_.range) add(rangeOption(*look_.range));
-    if (threshold > range_.hi || threshold < range_.lo)
+    const ValueRange all = values_.range;
+    if (!values_.counts.entries.empty() && (threshold > all.hi || threshold < all.lo))
       chosen_.warnings.push_back(
           fmt::format("--threshold {}: {} shows, the values are {:.6g} to {:.6g}", threshold,
-                      threshold > range_.hi ? "nothing" : "everything", range_.lo, range_.hi));
+                      threshold > all.hi ? "nothing" : "everything", all.lo, all.hi));
   }
 
   void wholeRange() {

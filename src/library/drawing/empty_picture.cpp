@@ -70,6 +70,7 @@ std::string whyEmpty(const DrawnPicture& drawn, const IndexPass& pass) {
                        dims.y, dims.z);
   if (hasNoOpacity(drawn.transfer)) return "the transfer function has opacity 0 everywhere";
   const StepValues values = valuesOfStep(drawn.volume, drawn.time, pass);
+  if (!values.index->ranges.mayHoldNumbers()) return "no voxel is a finite number";
   const auto cellsIn = [&](const Box3& box) {
     return shownCells(drawn.volume, values, drawn.transfer, box);
   };

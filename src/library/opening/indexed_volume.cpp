@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
+#include <limits>
 #include <span>
 #include <utility>
 
@@ -21,6 +23,18 @@
 namespace sluice {
 namespace {
 
+// The distance between two neighbouring floats at the greatest value, if the volume has values that
+// floats cannot tell apart as far as colours need it; else 0.
+double lostBelow(const VolumeLayout& layout, const SliceRanges& ranges) {
+  const bool is_whole = layout.type == VoxelType::kU32 || layout.type == VoxelType::kI32;
+  if (!is_whole && layout.type != VoxelType::kF64) return 0;
+  const ValueRange range = ranges.device_range;
+  const auto most = static_cast<float>(std::max(std::abs(range.lo), std::abs(range.hi)));
+  const double apart = double{std::nextafter(most, std::numeric_limits<float>::infinity())} - most;
+  constexpr double kColors = 4096;
+  return apart > (is_whole ? 1 : (range.hi - range.lo) / kColors) ? apart : 0;
+}
+
 std::vector<std::string> notesOf(const std::string& name, const VolumeLayout& layout,
                                  const IndexedRanges& index) {
   std::vector<std::string> notes = layout.notes;
@@ -30,6 +44,11 @@ std::vector<std::string> notesOf(const std::string& name, const VolumeLayout& la
         "{}: it has finite values from {:g} to {:g} that are drawn as infinities, since they are "
         "beyond {:g}",
         name, index.ranges.map.valueOf(far.lo), index.ranges.map.valueOf(far.hi), kLargest));
+  if (const double apart = lostBelow(layout, index.ranges); apart > 0)
+    notes.push_back(fmt::format(
+        "{}: its {} are drawn as floats, which are {:.3g} apart at its greatest value: values and "
+        "labels that are closer look the same; subtract an offset to keep them apart",
+        name, layout.type == VoxelType::kF64 ? "doubles" : "integers of 32 bits", apart));
   if (looksByteSwapped(index.ranges, layout.type))
     notes.push_back(
         fmt::format("{}: its values look as if their bytes were read in the wrong order; give "
