@@ -29,9 +29,10 @@ CameraPath pathOf(const std::string& keys) {
 
 TEST(CameraPath, refusesCamerasThatCannotBe) {
   for (const char* camera :
-       {R"("fov": 0)", R"("fov": 180)", R"("fov": -1)", R"("zoom": 0)", R"("zoom": -1)",
-        R"("eye": [1, 2, 3], "target": [1, 2, 3])", R"("eye": [1e300, 0, 0], "target": [0, 0, 0])",
-        R"("up": [0, 0, 0])", R"("up": [1e300, 0, 0])"})
+       {R"("fov": 0)", R"("fov": 1e-320)", R"("zoom": 1e-320)", R"("fov": 180)", R"("fov": -1)",
+        R"("zoom": 0)", R"("zoom": -1)", R"("eye": [1, 2, 3], "target": [1, 2, 3])",
+        R"("eye": [1e300, 0, 0], "target": [0, 0, 0])", R"("up": [0, 0, 0])",
+        R"("up": [1e300, 0, 0])"})
     EXPECT_THAT(errorOf(R"({"keys": [{"at": 0}, {"at": 1, )" + std::string(camera) + "}]}"),
                 HasSubstr("turn.json: key 1: "))
         << camera;
