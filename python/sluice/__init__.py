@@ -298,8 +298,8 @@ class Renderer:
     rounding.
 
         >>> plain = sluice.Renderer(volume, device='cpu', algorithm='conventional', pages=64)
-        >>> int(abs(plain.render(size=64).astype(int) - renderer.render(size=64)).max())
-        1
+        >>> int(abs(plain.render(size=64).astype(int) - renderer.render(size=64)).max()) <= 1
+        True
     """
 
     def __init__(self, volume, *, device='auto', memory=None, threads=None, **pipeline):

@@ -198,8 +198,8 @@ TEST(Look, isSaidByRenderInfoAndTheReport) {
 TEST(Look, isLitUnlessToldOtherwise) {
   const Program program;
   const std::string line = std::string("render ") + kSmall + " --threshold 90 -o a.png --size ";
-  EXPECT_THAT(lookOptions(program.json(line + "24x24")), HasSubstr("--shade --step 1"));
-  EXPECT_THAT(lookOptions(program.json(line + "200x200")), HasSubstr("--step 0.5"));
+  EXPECT_THAT(lookOptions(program.json(line + "24x24")), HasSubstr("--shade --step 0.5"));
+  EXPECT_THAT(lookOptions(program.json(line + "200x200")), HasSubstr("--step 0.25"));
   EXPECT_THAT(lookOptions(program.json(line + "200x200 --step 1")), HasSubstr("--step 1"));
   const auto unlit = program.json(line + "24x24 --no-shade");
   EXPECT_THAT(lookOptions(unlit), HasSubstr("--no-shade"));
