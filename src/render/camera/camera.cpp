@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "src/base/error.h"
+#include "src/base/looks/view_limits.h"
 #include "src/render/camera/index_space.h"
 
 namespace sluice {

@@ -15,10 +15,6 @@
 
 namespace sluice {
 
-// Beyond these a place in the picture is no number any more.
-inline constexpr double kLeastZoom = 1e-6, kMostZoom = 1e6;
-inline constexpr double kLeastFieldOfViewDeg = 1e-3;
-
 // The framing at zoom 1, see camera_framing.h.
 struct Framing {
   Vec3d target;  // world

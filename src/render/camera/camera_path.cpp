@@ -6,6 +6,7 @@
 #include "src/base/error.h"
 #include "src/base/files/json_field.h"
 #include "src/base/files/text_file.h"
+#include "src/base/looks/view_limits.h"
 
 namespace sluice {
 namespace {

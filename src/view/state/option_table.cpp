@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "src/base/error.h"
-#include "src/render/camera/camera.h"
+#include "src/base/looks/view_limits.h"
 #include "src/view/state/option_members.h"
 
 namespace sluice {
