@@ -78,6 +78,14 @@ picture smoke 'Smoke from an OpenVDB file, in perspective' \
   'sluice render data/smoke.vdb -o smoke.png --projection perspective --background 202830'
 picture fingers 'Salt that sinks through water, step 30 of a series' \
   "sluice render 'data/viscous-fingers/step_%03d.nrrd' -o fingers.png --time 30 --map inferno --up 0,0,1 --background 000000"
+picture skull 'The skull as a surface, under the skin as a translucent one' \
+  "sluice render 'data/cthead/%03d.tif' -o skull.png --spacing 1,1,2 --up 0,0,-1 --azimuth 215 --elevation -10 --iso '35:0.3:e0a080,95:1:f4efe2' --occlusion-light"
+picture parts 'The parts of the engine block that are of another metal' \
+  "sluice render data/engine.nii.gz -o parts.png --iso '90:0.25:9fb8cc,180:1:e0a030' --occlusion-light"
+picture enamel 'The enamel of the tooth, and the pulp inside' \
+  "sluice render data/tooth/tooth.nhdr -o enamel.png --up 0,0,-1 --iso '500:0.3:f2ead8,900:1:d8b070'"
+picture shadows 'The bonsai in a light that casts shadows and does not reach far into pits' \
+  'sluice render data/bonsai.nii.gz -o shadows.png --threshold 40 --opacity 0.6 --shadows --occlusion-light'
 picture phantom 'The Shepp-Logan head, cut open' \
   'sluice render synth:phantom,dims=256x256x256 -o phantom.png --crop 0,0,0,256,128,256 --opacity 0.1'
 picture wave 'The Marschner-Lobb test signal: its values fill the whole range, so it is drawn as a solid block' \
