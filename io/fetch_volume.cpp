@@ -146,7 +146,7 @@ class StoreFetch {
     for (std::string folder = key; folder.size() > root_.key.size();) {
       folder.resize(folder.rfind('/'));
       for (const std::string& name : names) {
-        const std::string beside = folder + "/" + name;
+        const std::string beside = fmt::format("{}/{}", folder, name);
         if (!keys.contains(beside) && root_.store->has(beside)) keys.insert(beside);
       }
     }

@@ -80,15 +80,12 @@ void WTinyLfuPolicy::onMiss(uint32_t index, uint32_t weight) {
     const uint32_t of_window = oldestUnpinned(kWindow);
     const bool window_can = of_window != kWindow;
     const uint32_t of_main = segmentedVictim();
-    if (of_main == kNone) {
+    const bool contested = window_can && isWindowOver(weight);
+    if (of_main == kNone || (contested && timesOf(of_window) <= timesOf(of_main))) {
       evict(of_window);
-    } else if (!window_can || !isWindowOver(weight)) {
-      evict(of_main);
-    } else if (timesOf(of_window) > timesOf(of_main)) {
-      evict(of_main);
-      toMain(of_window);
     } else {
-      evict(of_window);
+      evict(of_main);
+      if (contested) toMain(of_window);
     }
   }
   // There is room: entries that exceed the window enter the main part without a contest.

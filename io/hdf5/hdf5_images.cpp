@@ -169,7 +169,7 @@ std::unique_ptr<VolumeSource> openImaris(const Hdf5Input& input, const std::stri
     Vec3d size;
     constexpr const char* kSizes[] = {"ImageSizeX", "ImageSizeY", "ImageSizeZ"};
     for (int a = 2; a >= 0; --a) {
-      size[a] = numberOf(attributes, kSizes[a], path + ":" + name);
+      size[a] = numberOf(attributes, kSizes[a], fmt::format("{}:{}", path, name));
       made.extents.push_back(static_cast<int64_t>(std::clamp(size[a], 0.0, 1e15)));
     }
     const Stack::Level& finest = stack.levels[0];

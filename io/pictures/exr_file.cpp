@@ -134,6 +134,7 @@ class RowsOfFile {
   template <class T>
   void add(const std::string& name, Imf::PixelType type, const T* first, size_t stride) {
     const size_t x_stride = stride * sizeof(T), y_stride = x_stride * width_;
+    // NOLINTNEXTLINE(performance-no-int-to-ptr): a pointer may not be moved out of its array
     auto* const row_0 = reinterpret_cast<char*>(reinterpret_cast<uintptr_t>(first) -
                                                 static_cast<size_t>(first_row_) * y_stride);
     buffer_.insert(name, Imf::Slice(type, row_0, x_stride, y_stride));

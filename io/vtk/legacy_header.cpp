@@ -174,7 +174,8 @@ class LegacyParser {
     return true;
   }
 
-  bool addArray(std::string name, const std::string& type, int64_t components, int64_t tuples) {
+  bool addArray(const std::string& name, const std::string& type, int64_t components,
+                int64_t tuples) {
     VtkArray array{.name = decodedName(name),
                    .type = type,
                    .components = components,

@@ -22,11 +22,11 @@ uint64_t base64Chars(uint64_t bytes) {
   return ceilDiv(static_cast<int64_t>(bytes), static_cast<int64_t>(kGroupBytes)) * kGroupChars;
 }
 
-constexpr std::array<int8_t, 256> kBase64Values = [] {
-  std::array<int8_t, 256> values{};
-  for (int8_t& value : values) value = -1;
+constexpr std::array<int16_t, 256> kBase64Values = [] {
+  std::array<int16_t, 256> values{};
+  for (int16_t& value : values) value = -1;
   const char* digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  for (int8_t i = 0; i < 64; ++i) values[static_cast<unsigned char>(digits[i])] = i;
+  for (int16_t i = 0; i < 64; ++i) values[static_cast<unsigned char>(digits[i])] = i;
   return values;
 }();
 

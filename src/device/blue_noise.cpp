@@ -44,7 +44,9 @@ class Pattern {
   int largestVoid() const { return best(false, -1); }
 
  private:
-  static size_t indexOf(int x, int y) { return static_cast<size_t>(y * kSide + x); }
+  static size_t indexOf(int x, int y) {
+    return static_cast<size_t>(y) * kSide + static_cast<size_t>(x);
+  }
   int best(bool of_set, int64_t sign) const {
     int found = -1;
     for (int pixel = 0; pixel < kPixels; ++pixel) {

@@ -100,7 +100,8 @@ void compareDetail(const Picture& picture, const Picture& truth, PictureError& e
 double meanOpacity(const Picture& picture) {
   double sum = 0;
   for (size_t i = 3; i < picture.rgba.size(); i += 4) sum += static_cast<double>(picture.rgba[i]);
-  return sum / static_cast<double>(picture.rgba.size() / 4);
+  const size_t pixels = picture.rgba.size() / 4;
+  return sum / static_cast<double>(pixels);
 }
 
 }  // namespace

@@ -112,7 +112,7 @@ FrameReport timedFrame(Session& session, std::vector<double>& seconds,
                        std::vector<double>& processor) {
   const double before = processorSeconds();
   const Stopwatch watch;
-  const FrameReport report = session.frameReport();
+  FrameReport report = session.frameReport();
   seconds.push_back(watch.seconds());
   processor.push_back(processorSeconds() - before);
   return report;
@@ -120,7 +120,7 @@ FrameReport timedFrame(Session& session, std::vector<double>& seconds,
 
 FrameReport change(Session& session, const TransferFunction& transfer, Changes& into) {
   session.setTransferFunction(transfer);
-  const FrameReport report = timedFrame(session, into.seconds, into.processor);
+  FrameReport report = timedFrame(session, into.seconds, into.processor);
   into.add(report);
   timedFrame(session, into.again_seconds, into.again_processor);
   return report;

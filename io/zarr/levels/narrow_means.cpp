@@ -145,7 +145,8 @@ class Pass {
           [](T v) {
             // A square of 16 bits fits into 32 without a sign.
             const auto wide = static_cast<uint32_t>(int32_t{v});
-            return static_cast<FirstSquare<T>>(wide * wide);
+            const uint32_t square = wide * wide;
+            return static_cast<FirstSquare<T>>(square);
           },
           squares, made);
       finishRow(0, y, z, sums, squares, made);

@@ -38,7 +38,7 @@ FoundZarr findArray(const StorePlace& folder) {
   std::string level;
   StorePlace around = folder;
   for (int depth = 0; depth < kMostLevelDepth; ++depth) {
-    level = level.empty() ? around.lastPart() : around.lastPart() + "/" + level;
+    level = level.empty() ? around.lastPart() : fmt::format("{}/{}", around.lastPart(), level);
     const StorePlace outside = around.around();
     if (outside.key == around.key) break;
     around = outside;

@@ -86,7 +86,7 @@ bool canMakeLevels(VolumeSource& source, int64_t time) {
   return std::isfinite(fillValueOf(source, time));
 }
 
-LevelStoreWriter::LevelStoreWriter(VolumeSource& source, int64_t time, fs::path output,
+LevelStoreWriter::LevelStoreWriter(VolumeSource& source, int64_t time, const fs::path& output,
                                    const LevelStorePlan& plan, WorkerPool& pool,
                                    const StopToken& stop)
     : plan_(plan),

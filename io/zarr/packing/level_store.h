@@ -43,7 +43,7 @@ class LevelStoreWriter final : public VoxelTaker {
   // `source`: where the voxels come from, of which it only asks what they are. `output`: NAME.zarr,
   // which is replaced at the end. `pool` must outlive it. Throws Error: the folder cannot be
   // written, another process writes to it.
-  LevelStoreWriter(VolumeSource& source, int64_t time, std::filesystem::path output,
+  LevelStoreWriter(VolumeSource& source, int64_t time, const std::filesystem::path& output,
                    const LevelStorePlan& plan, WorkerPool& pool, const StopToken& stop);
 
   int64_t side() const override { return plan_.chunk_voxels; }

@@ -60,7 +60,7 @@ constexpr uint64_t kMostHeldBytes = uint64_t{32} << 20;
 
 std::vector<LevelShape> levelsFor(const VolumeLayout& layout, const PackOptions& options) {
   if (!options.with_levels) return {};
-  const std::vector<LevelShape> levels = levelShapes(layout, options.chunk_voxels, options.levels);
+  std::vector<LevelShape> levels = levelShapes(layout, options.chunk_voxels, options.levels);
   if (options.levels && static_cast<int64_t>(levels.size()) < *options.levels)
     failRequest("--levels {}: {} x {} x {} voxels in chunks of {} have {} coarser levels at most",
                 *options.levels, layout.dims.x, layout.dims.y, layout.dims.z, options.chunk_voxels,
