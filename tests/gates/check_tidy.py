@@ -1,7 +1,11 @@
 #!/usr/bin/env python3
 """clang-tidy finds nothing in the program's sources. The checks are in .clang-tidy.
 
-  check_tidy.py ROOT BUILD_FOLDER [--jobs N]
+  check_tidy.py ROOT BUILD_FOLDER [--jobs N] [--all] [--record]
+
+Without --all, sources are left out that tidy_seen.txt beside this script lists as clean: each by the
+digest of its text, of its own header and of .clang-tidy. What another header changes in them is left
+to --all. --record writes the list anew if clang-tidy finds nothing.
 
 Nearly all of clang-tidy's time goes into the headers of libraries, so the sources of a folder are
 checked several at once, as one translation unit that includes them; where their local names clash,
@@ -10,6 +14,7 @@ Prints what clang-tidy says; exit status 1 when it says something, 77 when it is
 """
 import argparse
 import concurrent.futures
+import hashlib
 import json
 import pathlib
 import re
@@ -21,6 +26,7 @@ import tempfile
 
 GROUP = 10
 FOLDERS = re.compile(r'(src|io|cache|tools|python)(/\w+)*/\w+\.cpp$')
+SEEN = pathlib.Path(__file__).with_name('tidy_seen.txt')
 BATCHED = re.compile(r'^#include "(.*)"$', re.M)
 
 
@@ -46,10 +52,29 @@ def sources_of(root, build):
                 yield source, flags
 
 
-def groups_of(root, build):
-    """Lists of (path, flags), a folder's sources split into groups of at most GROUP."""
+def digest_of(root, source):
+    """A short name of the texts that a source's findings follow from, but for the headers of others."""
+    texts = [root / '.clang-tidy', source, source.with_suffix('.h')]
+    return hashlib.sha256(b'\0'.join(text.read_bytes() for text in texts if text.is_file())).hexdigest()[:16]
+
+
+def seen_clean():
+    """The digests of the sources in which clang-tidy found nothing."""
+    return set(SEEN.read_text().split()[::2]) if SEEN.is_file() else set()
+
+
+def record(root, build):
+    """Lists all sources as clean."""
+    lines = {f'{digest_of(root, path)} {path.relative_to(root)}\n' for path, _ in sources_of(root, build)}
+    SEEN.write_text(''.join(sorted(lines, key=lambda line: line.split()[1])))
+
+
+def groups_of(root, build, seen):
+    """Lists of (path, flags), a folder's sources that `seen` has not, split into groups of at most GROUP."""
     folders = {}
     for path, flags in sources_of(root, build):
+        if digest_of(root, path) in seen:
+            continue
         # Of a source that is compiled several times, for instruction sets, the first.
         folders.setdefault(path.parent, {}).setdefault(path, flags)
     for files in folders.values():
@@ -84,11 +109,11 @@ def check_group(root, scratch, group):
     return said + '\n' if said else ''
 
 
-def check(root, build, jobs=2):
-    """All that clang-tidy says of the sources that `build` compiles."""
+def check(root, build, jobs=2, seen=frozenset()):
+    """All that clang-tidy says of the sources that `build` compiles and `seen` has no digest of."""
     root = root.resolve()
     with tempfile.TemporaryDirectory() as scratch, concurrent.futures.ThreadPoolExecutor(jobs) as pool:
-        said = pool.map(lambda group: check_group(root, pathlib.Path(scratch), group), list(groups_of(root, build)))
+        said = pool.map(lambda group: check_group(root, pathlib.Path(scratch), group), list(groups_of(root, build, seen)))
         return ''.join(said)
 
 
@@ -107,11 +132,15 @@ if __name__ == '__main__':
     parser.add_argument('root', type=pathlib.Path)
     parser.add_argument('build', type=pathlib.Path)
     parser.add_argument('--jobs', type=int, default=2)
+    parser.add_argument('--all', action='store_true')
+    parser.add_argument('--record', action='store_true')
     arguments = parser.parse_args()
     reason = missing(arguments.build)
     if reason:
         print(reason)
         sys.exit(77)
-    said = check(arguments.root, arguments.build, arguments.jobs)
+    said = check(arguments.root, arguments.build, arguments.jobs, set() if arguments.all else seen_clean())
     print(said, end='')
+    if arguments.record and not said:
+        record(arguments.root.resolve(), arguments.build)
     sys.exit(1 if said else 0)

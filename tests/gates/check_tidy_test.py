@@ -7,7 +7,7 @@ import sys
 import tempfile
 import unittest
 
-from check_tidy import check, missing, sources_of
+from check_tidy import check, digest_of, missing, sources_of
 
 CLEAN = 'namespace { struct Local { int a = 0; }; }\nint NAME() { return Local{}.a; }\n'
 FAULTY = ('#include <string>\n#include <utility>\nnamespace { struct Local { std::string a; }; }\n'
@@ -15,7 +15,7 @@ FAULTY = ('#include <string>\n#include <utility>\nnamespace { struct Local { std
 
 
 class TidyGate(unittest.TestCase):
-    def said(self, sources):
+    def said(self, sources, seen=()):
         with tempfile.TemporaryDirectory() as folder:
             root = pathlib.Path(folder).resolve()
             shutil.copy(pathlib.Path(__file__).parents[2] / '.clang-tidy', root)
@@ -25,7 +25,7 @@ class TidyGate(unittest.TestCase):
                 (root / 'io' / name).write_text(text.replace('NAME', name.split('.')[0]))
                 commands.append({'directory': str(root), 'file': f'io/{name}', 'command': f'c++ -I{root} -c io/{name}'})
             (root / 'compile_commands.json').write_text(json.dumps(commands))
-            return check(root, root)
+            return check(root, root, seen={digest_of(root, root / 'io' / name) for name in seen})
 
     def test_says_nothing_of_clean_sources(self):
         self.assertEqual(self.said({'a.cpp': CLEAN, 'b.cpp': CLEAN}), '')
@@ -34,6 +34,21 @@ class TidyGate(unittest.TestCase):
         said = self.said({'a.cpp': CLEAN, 'b.cpp': FAULTY, 'c.cpp': 'int c() { return 1; }\n'})
         self.assertIn('io/b.cpp:4', said)
         self.assertNotIn('io/a.cpp', said)
+
+    def test_leaves_out_what_was_clean_until_it_changes(self):
+        sources = {'a.cpp': FAULTY, 'b.cpp': FAULTY}
+        said = self.said(sources, seen=['a.cpp'])
+        self.assertIn('io/b.cpp:4', said)
+        self.assertNotIn('io/a.cpp', said)
+        with tempfile.TemporaryDirectory() as folder:
+            root = pathlib.Path(folder)
+            texts = {'.clang-tidy': 'Checks: a', 's.cpp': 'int a;', 's.h': 'int b;'}
+            found = set()
+            for changed in (None, *texts):
+                for name, text in texts.items():
+                    (root / name).write_text(text + ('!' if name == changed else ''))
+                found.add(digest_of(root, root / 's.cpp'))
+            self.assertEqual(len(found), 4)
 
     def test_looks_into_batches(self):
         with tempfile.TemporaryDirectory() as folder:
