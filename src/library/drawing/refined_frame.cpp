@@ -22,7 +22,9 @@ RefinedFrame drawRefined(Scene& scene, const FrameOptions& options, bool has_ste
   Refinement row(*scene.session, {step, scene.look.transfer, scene.pool}, options, step_of, until);
   RefinedFrame refined;
   std::optional<Frame> last;
-  for (int number = 0; std::optional<Frame> frame = row.next(); ++number) {
+  for (int number = 0;; ++number) {
+    std::optional<Frame> frame = row.next();
+    if (!frame) break;
     if (last) scene.device->reuse(std::move(last->picture));
     last = std::move(frame);
     scene.noteMemory();
