@@ -223,7 +223,7 @@ FetchedVolume fetchVolume(const std::string& address, const fs::path& target,
     return StoreFetch(place, target, options, progress).run(address);
   }
   const auto done = download(place, target, options.expected, options.download, progress);
-  if (!done) fail("{}: expected an object, found none", place.name());
+  if (!done) fail("{}: the server has no such file; check the address", place.name());
   FetchedVolume fetched;
   fetched.object = *done;
   return fetched;

@@ -66,6 +66,21 @@ bool mayPass(CURLcode code) {
   return std::find(kPassing.begin(), kPassing.end(), code) != kPassing.end();
 }
 
+// libcurl's line, and what the user can do.
+std::string faultOf(CURLcode code, const char* text) {
+  switch (code) {
+    case CURLE_COULDNT_RESOLVE_HOST:
+      return fmt::format("no connection ({}); check the address and the network", text);
+    case CURLE_COULDNT_CONNECT:
+      return fmt::format("no connection ({})", text);
+    case CURLE_PEER_FAILED_VERIFICATION:
+      return fmt::format(
+          "no secure connection ({}); CURL_CA_BUNDLE names a file of authorities to trust", text);
+    default:
+      return fmt::format("the connection failed ({})", text);
+  }
+}
+
 }  // namespace
 
 void takeHeaderLine(std::string_view line, HttpHead& head) {
@@ -208,14 +223,15 @@ std::optional<HttpEnd> HttpClient::follow(Transfer& transfer) {
   const char* to = nullptr;
   curl_easy_getinfo(transfer.easy, CURLINFO_REDIRECT_URL, &to);
   if (to == nullptr)
-    return HttpEnd{fmt::format("status {} of the server, a redirect that does not tell where to",
-                               transfer.head.status),
-                   false};
+    return HttpEnd{
+        fmt::format("the server answered with status {}, a redirect that does not tell where to",
+                    transfer.head.status),
+        false};
   const bool has_credentials = !credentials_.user.empty();
   if (std::string fault = redirectFault(transfer.url, to, has_credentials); !fault.empty())
     return HttpEnd{std::move(fault), false};
   if (++transfer.redirects > kRedirects)
-    return HttpEnd{fmt::format("more than {} redirects", kRedirects), false};
+    return HttpEnd{fmt::format("the server sends on by more than {} redirects", kRedirects), false};
   transfer.url = to;
   transfer.head = {};
   curl_multi_remove_handle(multi_, transfer.easy);
@@ -268,7 +284,7 @@ void HttpClient::run() {
         transfer->tellHead();  // an answer without a body
       } else {
         const char* text = transfer->message[0] != 0 ? transfer->message.data() : nullptr;
-        end = {text != nullptr ? text : curl_easy_strerror(code), mayPass(code),
+        end = {faultOf(code, text != nullptr ? text : curl_easy_strerror(code)), mayPass(code),
                code == CURLE_OPERATION_TIMEDOUT};
       }
       std::erase(going, transfer);

@@ -119,12 +119,18 @@ bool HttpFetch::takeBody(std::span<const std::byte> bytes) {
 
 void HttpFetch::refuse(const HttpHead& head) const {
   if (head.status == kUnauthorized || head.status == kForbidden)
-    throw HttpForbidden(
-        fmt::format("{}: expected an object, found that the server forbids it (status {})", name_,
-                    head.status));
+    throw HttpForbidden(fmt::format("{}: the server forbids it (status {})", name_, head.status));
   if (head.status == kBeyondEnd)
     fail("{}: expected bytes {}, found that it ends before", name_, range());
-  fail("{}: expected an object, found status {} of the server", name_, head.status);
+  fail("{}: the server answered with status {}; check the address", name_, head.status);
+}
+
+std::string HttpFetch::whyIncomplete(const HttpEnd& end, bool is_answer) const {
+  if (!is_answer && head_.status != 0 && end.fault.empty())
+    return fmt::format("the server answered with status {}", head_.status);
+  const std::string fault = end.fault.empty() ? "the answer is too short" : end.fault;
+  if (!has_room_) return fault;
+  return fmt::format("{} of {} bytes came: {}", got_, out_.size(), fault);
 }
 
 HttpFetch::Outcome HttpFetch::run(const StopToken& stop, bool tries_again) {
@@ -152,15 +158,10 @@ HttpFetch::Outcome HttpFetch::run(const StopToken& stop, bool tries_again) {
     const double spent = Seconds(Clock::now() - since).count();
     const bool may_pass = end.fault.empty() || end.may_pass;
     if (!may_pass || !tries_again || tries >= kMostTries || spent > kMostSeconds) {
-      const std::string why = !is_answer && head_.status != 0
-                                  ? fmt::format("status {} of the server", head_.status)
-                              : end.fault.empty() ? "an answer that is too short"
-                                                  : end.fault;
-      const std::string wanted =
-          has_room_ ? fmt::format("{} bytes", out_.size()) : std::string("an object");
-      if (!may_pass) failSystem("{}: expected {}, found {}", name_, wanted, why);
-      failSystem("{}: expected {}, found {}; tried {} times in {:.0f} s", name_, wanted, why,
-                 std::max(tries, 1), spent);
+      const std::string why = whyIncomplete(end, is_answer);
+      if (!may_pass) failSystem("{}: {}", name_, why);
+      failSystem("{}: {}; tried {} times in {:.0f} s; check the address, or try again later", name_,
+                 why, std::max(tries, 1), spent);
     }
     const double wait = kFirstWait * static_cast<double>(1 << std::clamp(tries - 1, 0, 5));
     waitFor(std::clamp(head_.retry_after_s, std::min(wait, kMostWait), kMostWait), stop);

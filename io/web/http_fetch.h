@@ -45,6 +45,8 @@ class HttpFetch {
   // Of the next request; empty: all.
   std::string range() const;
   void refuse(const HttpHead& head) const;
+  // The reason that not all bytes came, as the rest of a line that begins with the name.
+  std::string whyIncomplete(const HttpEnd& end, bool is_answer) const;
   // All bytes are there.
   bool isComplete() const { return has_room_ && got_ == out_.size(); }
 

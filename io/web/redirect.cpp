@@ -38,13 +38,13 @@ std::string originOf(const std::string& url) {
 
 std::string redirectFault(const std::string& from, const std::string& to, bool has_credentials) {
   const std::string here = originOf(from), there = originOf(to);
-  if (there.empty()) return "that the server sends to a place that is no address of http or https";
+  if (there.empty()) return "the server sends to a place that is no address of http or https";
   if (here == there) return "";
   // The ports are the schemes' own: another port may be anybody's server.
   const bool is_secured = here.find(':', 5) == std::string::npos &&
                           there == "https" + here.substr(std::string("http").size());
   if (here.starts_with("http://") && is_secured && !has_credentials) return "";
-  return fmt::format("that the server sends to another one, {}; give that address", there);
+  return fmt::format("the server sends to another one, {}; give that address", there);
 }
 
 }  // namespace sluice

@@ -22,6 +22,7 @@ range, the status and the bytes of the body. An ETag that is sent back is answer
   late      the first connection gets no answer
   stall-metadata, stall-levels, stall-chunks  an answer of that kind ends half way, and its connection stays
   deaf      no answer begins
+  down      status 500 for everything
   later     status 503, with Retry-After: 5, for each chunk
   trickle   a byte each half second
   shaped    answers begin after 50 ms, and all together send 100 Mbit/s at most, and none goes wrong
@@ -99,7 +100,9 @@ class Handler(http.server.BaseHTTPRequestHandler):
         if fault in ('delay', 'shaped'):
             time.sleep(0.05)
         status = 200
-        if not file.is_file():
+        if fault == 'down':
+            status = 500
+        elif not file.is_file():
             status = 403 if fault == 'forbidden' else 404
         elif goes_wrong and fault in ('busy', 'broken', 'later'):
             status = 429 if fault == 'busy' else 503

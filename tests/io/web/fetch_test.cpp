@@ -189,7 +189,8 @@ TEST_F(Fetch, anObjectThatIsNotThereIsOneLine) {
   EXPECT_THAT(errorOf([&] {
                 fetchVolume(server.address() + "/data/none.raw", target_, options(), nobody);
               }),
-              AllOf(HasSubstr("/data/none.raw: expected an object"), Not(HasSubstr("\n"))));
+              AllOf(HasSubstr("/data/none.raw: the server has no such file; check the address"),
+                    Not(HasSubstr("\n"))));
   EXPECT_TRUE(fs::is_empty(here_.path()));
 }
 
