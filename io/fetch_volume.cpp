@@ -13,6 +13,7 @@
 #include "io/web/web_place.h"
 #include "io/zarr/metadata/zarr_array.h"
 #include "io/zarr/n5/n5_attributes.h"
+#include "io/zarr/reading/zarr_checksums.h"
 #include "src/base/error.h"
 #include "src/base/threads/mutex.h"
 #include "src/base/threads/worker_pool.h"
@@ -187,6 +188,9 @@ class StoreFetch {
     const auto array = arrayIn(lastPart(key), textOf(*root_.store, key), root_.store->nameOf(key));
     if (!array) return;
     const StorePlace folder{root_.store, key.substr(0, key.rfind('/'))};
+    // The checksums are part of a store of `sluice pack`; other stores have none.
+    const std::string checksums(kZarrChecksumsName);
+    if (folder.has(checksums)) fetchOne(folder.at(checksums).key);
     const int64_t count = array->fileCount();
     progress_.expect(static_cast<uint64_t>(count));
     WorkerPool pool(kObjectsAtOnce);

@@ -123,6 +123,8 @@ TEST_F(FetchProgram, copiesAStoreThatIsDrawnAlike) {
                                           " render v.zarr -q -o b.png && cmp b.png " +
                                           shellQuoted((program_.folder / "a.png").string()));
   EXPECT_EQ(same.status, 0) << same.output;
+  const CommandResult checked = program_.run("pack --check v.zarr");
+  EXPECT_EQ(checked.status, 0) << checked.output;
   EXPECT_EQ(program_.run("fetch " + server.address() + "/v.zarr").status, 1);
 }
 
