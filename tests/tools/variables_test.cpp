@@ -6,11 +6,14 @@
 #include <optional>
 #include <string>
 
+#include "src/base/error.h"
 #include "src/gl/contexts/gl_choice.h"
 #include "tools/command_line/environment.h"
 
 namespace sluice {
 namespace {
+
+using testing::ThrowsMessage;
 
 // An environment variable for the time of a test.
 class ScopedVariable {
@@ -67,6 +70,22 @@ TEST(IndexWish, besideTheVolumeOrNowhere) {
   const ScopedVariable off("SLUICE_INDEX", "off");
   EXPECT_TRUE(indexWish("").disabled);
   EXPECT_TRUE(indexWish("/mine").disabled);
+}
+
+TEST(IndexWish, refusesValuesThatMeanNothing) {
+  const ScopedVariable xdg("XDG_CACHE_HOME", "/caches"), setting("SLUICE_INDEX", nullptr);
+  const ScopedVariable folder("SLUICE_INDEX_DIR", "rel");
+  EXPECT_THAT([] { indexWish(""); },
+              ThrowsMessage<Error>(
+                  "SLUICE_INDEX_DIR: expected the absolute path of a folder, found 'rel'"));
+  EXPECT_EQ(indexWish("/mine").folder, "/mine") << "the variable has no part in it";
+  const ScopedVariable empty("SLUICE_INDEX_DIR", "");
+  EXPECT_EQ(indexWish("").folder, "/caches/sluice/index");
+  const ScopedVariable odd("SLUICE_INDEX", "foo");
+  EXPECT_THAT([] { indexWish(""); },
+              ThrowsMessage<Error>("SLUICE_INDEX: expected off or beside, found 'foo'"));
+  const ScopedVariable unset("SLUICE_INDEX", "");
+  EXPECT_FALSE(indexWish("").beside || indexWish("").disabled);
 }
 
 TEST(DecodeOptions, temporaryFilesGoWhereTheUserSays) {

@@ -1,9 +1,10 @@
 #include "tools/command_line/environment.h"
 
 #include <cstdlib>
-#include <string_view>
+#include <string>
 
 #include "io/web/bucket_access.h"
+#include "src/base/error.h"
 #include "src/gl/contexts/gl_choice.h"
 #include "tools/command_line/progress_line.h"
 
@@ -24,22 +25,28 @@ std::filesystem::path cacheFolder(const char* name) {
   return {};
 }
 
-std::filesystem::path indexFolder(const std::string& index_dir) {
-  if (!index_dir.empty()) return index_dir;
-  if (auto said = folderFrom("SLUICE_INDEX_DIR"); !said.empty()) return said;
-  return cacheFolder("index");
-}
-
 std::string textFrom(const char* variable) {
   const char* value = std::getenv(variable);
   return value == nullptr ? "" : value;
 }
 
+// A variable of sluice's own that is wrong is refused, as an option would be. Variables that other
+// programs share (XDG_CACHE_HOME) are ignored, as their specification asks for.
+std::filesystem::path indexFolder(const std::string& index_dir) {
+  if (!index_dir.empty()) return index_dir;
+  const std::string said = textFrom("SLUICE_INDEX_DIR");
+  if (said.empty()) return cacheFolder("index");
+  if (said.front() != '/')
+    fail("SLUICE_INDEX_DIR: expected the absolute path of a folder, found '{}'", said);
+  return said;
+}
+
 }  // namespace
 
 IndexWish indexWish(const std::string& index_dir) {
-  const char* const setting = std::getenv("SLUICE_INDEX");
-  const std::string_view wish = setting == nullptr ? "" : setting;
+  const std::string wish = textFrom("SLUICE_INDEX");
+  if (!wish.empty() && wish != "beside" && wish != "off")
+    fail("SLUICE_INDEX: expected off or beside, found '{}'", wish);
   return {indexFolder(index_dir), wish == "beside" && index_dir.empty(), wish == "off"};
 }
 

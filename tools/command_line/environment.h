@@ -14,7 +14,8 @@ namespace sluice {
 
 // The place for indices: `index_dir` (--index-dir), $SLUICE_INDEX_DIR, $XDG_CACHE_HOME/sluice/index
 // or ~/.cache/sluice/index, the first that is set. SLUICE_INDEX=beside: next to the volume, unless
-// --index-dir is given. SLUICE_INDEX=off: nowhere.
+// --index-dir is given. SLUICE_INDEX=off: nowhere. Throws Error if SLUICE_INDEX has another value,
+// or SLUICE_INDEX_DIR decides and is no absolute path.
 IndexWish indexWish(const std::string& index_dir);
 
 // The settings that the window keeps between runs: $XDG_CONFIG_HOME/sluice/view.json or
