@@ -220,6 +220,18 @@ TEST_F(Outputs, aStoreIsReplacedOnlyWhenNothingElseIsInIt) {
   refuses("pack v.nhdr -o mine.zarr --force", "mine.zarr");
 }
 
+// Whoever reads the file believes its name.
+TEST_F(Outputs, ofRawVoxelsHaveNoNameThatIsNotTrue) {
+  for (const std::string name : {"z_16x8x8_uint8.raw", "z_8x8x8_uint16.raw", "z_8x8x8x2_u8.raw"}) {
+    const CommandResult refused = program_.run("synth cube --dims 8,8,8 -o " + name);
+    EXPECT_EQ(refused.status, 1) << name;
+    EXPECT_TRUE(isOneLine(refused.output)) << refused.output;
+    EXPECT_THAT(refused.output, HasSubstr(name + ": the name says "));
+    EXPECT_FALSE(program_.exists(name));
+  }
+  EXPECT_EQ(program_.run("synth cube --dims 8,8,8 --type u16 -q -o z_16x8x8_uint8.mhd").status, 1);
+}
+
 TEST_F(Outputs, carryTheVeryNameThatWasGiven) {
   const std::string render = "render w.nrrd --size 16 -q ";
   made("synth cube --dims 8,8,8 -q -o x_8x8x8_uint8.raw");

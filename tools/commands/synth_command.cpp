@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <bit>
 #include <cmath>
 #include <memory>
 #include <string>
@@ -10,6 +11,7 @@
 #include "io/headers/raw/raw_name.h"
 #include "io/headers/raw/raw_writer.h"
 #include "io/synth/synth_source.h"
+#include "src/base/error.h"
 #include "src/base/files/numbered_name.h"
 #include "src/base/threads/worker_pool.h"
 #include "tools/command_line/console.h"
@@ -52,6 +54,22 @@ bool describes(const std::filesystem::path& file, const VolumeLayout& layout) {
   return said.dims == layout.dims && said.type == layout.type;
 }
 
+// A file whose name is wrong would be read as something else, without a word.
+void requireTrueNames(const SynthArguments& arguments, const VolumeLayout& layout) {
+  const Vec3i dims = layout.dims;
+  for (const auto& file : filesToWrite(layout, arguments.output)) {
+    if (lowerExtension(file) != ".raw") continue;
+    const std::string wrong =
+        falseInName(file.filename().string(), dims, layout.type, std::endian::native);
+    if (!wrong.empty())
+      fail(
+          "{}: the name says {}, and the file would hold {} x {} x {} voxels, {}; give another "
+          "name "
+          "or other --dims and --type",
+          file.string(), wrong, dims.x, dims.y, dims.z, name(layout.type));
+  }
+}
+
 Outputs outputsOf(const SynthArguments& arguments, const VolumeLayout& layout) {
   Outputs outputs(arguments.force);
   for (const auto& file : filesToWrite(layout, arguments.output))
@@ -63,6 +81,7 @@ void run(const SynthArguments& arguments) {
   const auto source = openSynth(arguments.synth);
   const VolumeLayout& layout = source->layout();
   outputsOf(arguments, layout).check();
+  requireTrueNames(arguments, layout);
   Workers pool(arguments.threads);
   const auto bytes =
       static_cast<uint64_t>(volume(layout.dims) * layout.time_steps) * bytesPerVoxel(layout.type);

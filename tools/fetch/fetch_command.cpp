@@ -2,11 +2,13 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <bit>
 #include <cstdlib>
 #include <filesystem>
 #include <memory>
 
 #include "io/fetch_volume.h"
+#include "io/headers/raw/raw_name.h"
 #include "src/base/error.h"
 #include "src/base/threads/clock.h"
 #include "src/base/values/bytes.h"
@@ -64,6 +66,18 @@ Wanted wantedBy(const FetchArguments& arguments) {
   }
   if (!arguments.output.empty()) wanted.target = arguments.output;
   return wanted;
+}
+
+// The file of a named volume holds what the collection says, whatever it is called here.
+void requireTrueName(const Wanted& wanted) {
+  if (wanted.named == nullptr) return;
+  const auto [x, y, z] = wanted.named->dims;
+  const std::string_view type = wanted.named->type;
+  const std::string wrong = falseInName(wanted.target.filename().string(), {x, y, z},
+                                        parseVoxelType(type).value(), std::endian::little);
+  if (!wrong.empty())
+    fail("{}: the name says {}, and {} has {} x {} x {} voxels, {}; give another name with -o",
+         wanted.target.string(), wrong, wanted.named->name, x, y, z, type);
 }
 
 void requireFree(const Wanted& wanted, bool force) {
@@ -148,6 +162,7 @@ int run(const FetchArguments& arguments) {
     throw CLI::ValidationError("fetch", "expected a name (--list prints them) or an address");
   const Wanted wanted = wantedBy(arguments);
   requireFree(wanted, arguments.force);
+  requireTrueName(wanted);
   showTerms(wanted, arguments);
   FetchOptions options;
   options.expected = wanted.expected;

@@ -1,5 +1,7 @@
 #include "io/headers/raw/raw_name.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <string>
 #include <vector>
@@ -50,6 +52,18 @@ RawName parseRawName(std::string_view file_name) {
     if (found.dims && part == "be") found.byte_order = std::endian::big;
   }
   return found;
+}
+
+std::string falseInName(std::string_view file_name, Vec3i dims, VoxelType type, std::endian order) {
+  const RawName said = parseRawName(file_name);
+  if (said.dims && *said.dims != dims)
+    return fmt::format("{} x {} x {} voxels", said.dims->x, said.dims->y, said.dims->z);
+  if (said.time_steps && *said.time_steps != 1)
+    return fmt::format("{} time steps", *said.time_steps);
+  if (said.type && *said.type != type) return std::string(name(*said.type));
+  if (said.byte_order && *said.byte_order != order && bytesPerVoxel(type) > 1)
+    return *said.byte_order == std::endian::big ? "big-endian" : "little-endian";
+  return "";
 }
 
 }  // namespace sluice

@@ -5,6 +5,7 @@
 #include <bit>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <string_view>
 
 #include "src/base/values/vec.h"
@@ -24,5 +25,10 @@ struct RawName {
 // "i16", "f32" ... the type; after the dimensions also "uchar", "short", "float" ...; "le" or "be"
 // after the dimensions the byte order. The last of each kind counts. Any text is allowed.
 RawName parseRawName(std::string_view file_name);
+
+// The part of the name that is not true of one time step of these voxels in this byte order, such
+// as "16 x 8 x 8 voxels"; empty: there is none. A program that reads the file by its name believes
+// it.
+std::string falseInName(std::string_view file_name, Vec3i dims, VoxelType type, std::endian order);
 
 }  // namespace sluice

@@ -44,5 +44,19 @@ TEST(RawNameTest, leavesOpenWhatTheNameDoesNotSay) {
   EXPECT_FALSE(parseRawName("double_shell_2x3x4.raw").type);
 }
 
+TEST(RawNameTest, findsTheFirstThingInANameThatIsNotTrue) {
+  const auto found = [](const char* file) {
+    return falseInName(file, {8, 8, 8}, VoxelType::kU16, std::endian::little);
+  };
+  EXPECT_EQ(found("z_16x8x8_uint8.raw"), "16 x 8 x 8 voxels");
+  EXPECT_EQ(found("z_8x8x8x4_uint16.raw"), "4 time steps");
+  EXPECT_EQ(found("z_8x8x8_uint8.raw"), "u8");
+  EXPECT_EQ(found("z_8x8x8_uint16_be.raw"), "big-endian");
+  for (const char* file : {"z.raw", "z_8x8x8.raw", "z_8x8x8_uint16_le.raw", "uint16_t0042.raw"})
+    EXPECT_EQ(found(file), "") << file;
+  EXPECT_EQ(falseInName("z_8x8x8_uint8_be.raw", {8, 8, 8}, VoxelType::kU8, std::endian::little),
+            "");
+}
+
 }  // namespace
 }  // namespace sluice
