@@ -284,6 +284,21 @@ TEST(CommandLine, aNearMissIsAnsweredWithTheRightWord) {
   }
 }
 
+TEST(CommandLine, refusesANameThatIsEmpty) {
+  const CommandLine line = makeCommandLine();
+  size_t found = 0;
+  for (const Place& place : commandsOf(line))
+    for (const CLI::Option* option : place.app->get_options()) {
+      if (!option->get_positional() || option->get_name() == "kind") continue;  // a word of a list
+      ++found;
+      std::vector<std::string> words = place.words;
+      words.insert(words.end(), {"", ""});
+      EXPECT_EQ(complaint(words),
+                option->get_name() + ": expected a name that is not empty, found ''");
+    }
+  EXPECT_GE(found, 10U);
+}
+
 TEST(CommandLine, valuesMayLookLikeOptionsAndCommands) {
   EXPECT_EQ(complaint({"render", "info", "-o", "-strange.png", "--azimuth", "-5"}), "");
   EXPECT_EQ(complaint({"render", "a.nii", "-ob.png", "-j4", "-s64"}), "");

@@ -99,7 +99,8 @@ Command addBenchReport(CLI::App& bench) {
       "report",
       "Runs side by side, each number against the first run's, as a table or as a page\n\n"
       "  sluice bench report before.json after.json -o runs.html");
-  app->add_option("FILE", arguments->files, "Reports that --report or --json gave, two or more")
+  requireNames(app->add_option("FILE", arguments->files,
+                               "Reports that --report or --json gave, two or more"))
       ->type_name("FILE")
       ->required()
       ->expected(2, 100);

@@ -23,8 +23,17 @@ std::string listed(const std::vector<std::string>& words) {
   return joined(head, ", ") + " or " + words.back();
 }
 
+constexpr const char* kExpectedName = "a name that is not empty";
+
 // The words are the description of a validator that is switched off: it checks and shows nothing.
 constexpr const char* kOffered = "offered words";
+
+CLI::Option* requireNames(CLI::Option* option) {
+  // The parser puts the option's name in front.
+  return option->check([](const std::string& word) {
+    return word.empty() ? fmt::format("expected {}, found ''", kExpectedName) : std::string();
+  });
+}
 
 std::vector<std::string> offeredWords(CLI::Option& option) {
   CLI::Validator offered;
@@ -79,8 +88,8 @@ CLI::Option* OptionGroup::text(const std::string& names, const std::string& what
     return word.empty() ? std::nullopt : std::optional(word);
   };
   return parsed(
-      names, what, "a name that is not empty", parse,
-      [&target](const std::string& word) { target = word; }, help);
+      names, what, kExpectedName, parse, [&target](const std::string& word) { target = word; },
+      help);
 }
 
 CLI::Option* OptionGroup::word(const std::string& names, const std::vector<std::string>& words,

@@ -50,6 +50,9 @@ std::string joined(const std::vector<std::string>& words, const std::string& bet
 // "composite, mip, minip or average"
 std::string listed(const std::vector<std::string>& words);
 
+// Refuses an empty word of a positional option that takes names, as OptionGroup::text() does.
+CLI::Option* requireNames(CLI::Option* option);
+
 // The words that an option of an OptionGroup takes, for completions; empty if it takes any text.
 std::vector<std::string> offeredWords(CLI::Option& option);
 

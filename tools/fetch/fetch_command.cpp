@@ -205,9 +205,10 @@ Command addFetch(CLI::App& program) {
       "  sluice fetch NAME --accept-licence\n\n"
       "The terms are printed first. If a run ends early, give the same command again: it\n"
       "continues where the run stopped. The file gets its name when it is complete.");
-  app->add_option("what", arguments->what,
-                  "A name that --list prints, or the address of a file, a Zarr or an N5 store "
-                  "(https://..., s3://...)")
+  requireNames(
+      app->add_option("what", arguments->what,
+                      "A name that --list prints, or the address of a file, a Zarr or an N5 store "
+                      "(https://..., s3://...)"))
       ->type_name("NAME|URL")
       ->group("Volume");
   const OptionGroup volume(*app, "Volume");

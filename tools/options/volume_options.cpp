@@ -96,11 +96,13 @@ void addVolumeOptions(CLI::App& app, VolumeArguments& arguments, std::optional<T
   arguments.open.stop = interruption();
   arguments.open.web.find_buckets = [] { return bucketAccess(); };
   arguments.open.web.certificates = webCertificates();
-  app.add_option("volume", arguments.inputs,
-                 "Files (FILE.h5:/SET), a folder of slices or DICOM images, a Zarr or N5 store, "
-                 "zipped or not, or its "
-                 "address (https://..., s3://...), a pattern ('step_%03d.raw', 'step_###.raw'), or "
-                 "synth:KIND,...")
+  requireNames(
+      app.add_option(
+          "volume", arguments.inputs,
+          "Files (FILE.h5:/SET), a folder of slices or DICOM images, a Zarr or N5 store, "
+          "zipped or not, or its "
+          "address (https://..., s3://...), a pattern ('step_%03d.raw', 'step_###.raw'), or "
+          "synth:KIND,..."))
       ->required(needs_volume)
       ->type_name("VOLUME")
       ->group("Volume");
