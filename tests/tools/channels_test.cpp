@@ -330,6 +330,9 @@ TEST_F(Channels, wrongOnesAreRefusedInOneLine) {
       {"cells.ome.zarr --look Dust:red -o a.png",
        "sluice: --look Dust:red: that channel is not shown; the picture shows channel 0 (DAPI), "
        "channel 1 (Actin), channel 2 (Spots)\n"},
+      {"cells.ome.zarr --look 1:red --look Actin:green -o a.png",
+       "sluice: --look Actin:green: channel 1 (Actin) has --look 1:red already; give one of "
+       "them\n"},
       {"cells.ome.zarr --progressive -o a.png",
        "sluice: cells.ome.zarr: --progressive shows one channel, not 3; give one --channel\n"},
       {"cells.ome.zarr --trace t.csv -o a.png",

@@ -299,6 +299,28 @@ TEST(CommandLine, refusesANameThatIsEmpty) {
   EXPECT_GE(found, 10U);
 }
 
+TEST(CommandLine, refusesTwoLooksOfOneThing) {
+  const std::vector<std::pair<std::vector<std::string>, std::string>> cases = {
+      {{"--look", "0:red", "--look", "0:green"}, "--look 0:green: channel 0 is given twice"},
+      {{"--look", "over:red", "--look=over:,0:9"}, "--look over:,0:9: channel over is given twice"},
+      {{"--label", "3=red", "--label", "3=green"}, "--label 3=green: label 3 is given twice"},
+      {{"--label=3-7=red:0.5", "--label=3-7=:0.1"}, "--label 3-7=:0.1: label 3-7 is given twice"}};
+  for (const auto& [options, said] : cases) {
+    std::vector<std::string> words{"render", "a.nii", "-o", "a.png"};
+    words.insert(words.end(), options.begin(), options.end());
+    EXPECT_EQ(complaint(words), said);
+  }
+  // These add to each other.
+  for (const std::vector<std::string>& options :
+       {std::vector<std::string>{"--look", "0:red", "--look", "1:green"},
+        {"--label", "all=:0", "--label", "3=green:1"},
+        {"--label", "3=green", "--label", "3=:0.5"}}) {
+    std::vector<std::string> words{"render", "a.nii", "-o", "a.png"};
+    words.insert(words.end(), options.begin(), options.end());
+    EXPECT_EQ(complaint(words), "");
+  }
+}
+
 TEST(CommandLine, valuesMayLookLikeOptionsAndCommands) {
   EXPECT_EQ(complaint({"render", "info", "-o", "-strange.png", "--azimuth", "-5"}), "");
   EXPECT_EQ(complaint({"render", "a.nii", "-ob.png", "-j4", "-s64"}), "");

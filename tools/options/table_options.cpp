@@ -131,10 +131,35 @@ std::string shownOf(const OptionEntry& entry, const ViewState& asked) {
 }
 
 // The planes, or looks of channels or labels, asked for so far, and one more.
+// The channel or labels that both looks determine, of which the picture could show the last alone;
+// empty: none.
+std::string givenTwice(OptionForm form, const std::string& earlier, const std::string& later) {
+  if (form == OptionForm::kChannels) {
+    const auto a = parseChannelLook(earlier), b = parseChannelLook(later);
+    return a->channel == b->channel ? "channel " + b->channel : "";
+  }
+  const auto a = parseLabelLook(earlier), b = parseLabelLook(later);
+  const bool adds =
+      (a->color.empty() || b->color.empty()) && !(a->opacity.has_value() && b->opacity.has_value());
+  if (adds || a->first != b->first || a->last != b->last) return "";
+  return "label " + later.substr(0, later.find('='));
+}
+
+void requireOnce(const OptionEntry& entry, const std::vector<std::string>& earlier,
+                 const std::string& later) {
+  for (const std::string& each : earlier)
+    if (const std::string twice = givenTwice(entry.kind.form, each, later); !twice.empty())
+      throw CLI::ValidationError(
+          fmt::format("{} {}: {} is given twice", entry.option, later, twice));
+}
+void requireOnce(const OptionEntry& /*entry*/, const std::vector<OptionReals>& /*earlier*/,
+                 const OptionReals& /*later*/) {}
+
 template <class Lists>
 OptionValue oneMore(const OptionEntry& entry, const ViewState& asked, const Lists& one) {
   Lists all = std::get<Lists>(entry.get(asked).value_or(Lists()));
   all.push_back(one.front());
+  requireOnce(entry, all, one.front());
   if (const auto fault = faultOf(entry, all))
     throw CLI::ValidationError(fmt::format("{}: {}", entry.option, fault->expected));
   return all;

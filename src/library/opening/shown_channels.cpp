@@ -286,7 +286,24 @@ std::string lookOptions(const LookArguments& asked, const std::vector<const Show
 }
 
 void requireShown(const LookArguments& asked, const std::vector<const ShownChannel*>& shown) {
+namespace {
+
+// A channel may be called by its number and by its name.
+void requireOneLookEach(const LookArguments& asked, const ShownChannel& channel) {
+  const ChannelLook* first = nullptr;
+  for (const ChannelLook& look : asked.channels) {
+    if (!isLookOf(look, channel.id(), channel.name)) continue;
+    if (first != nullptr)
+      failRequest("--look {}: {} has --look {} already; give one of them", channelLookText(look),
+                  channel.title(), channelLookText(*first));
+    first = &look;
+  }
+}
+
+}  // namespace
+
   const auto own = std::ranges::count(shown, false, &ShownChannel::is_over);
+  for (const ShownChannel* channel : shown) requireOneLookEach(asked, *channel);
   if (!asked.surfaces.empty() && own > 1)
     failRequest("--iso draws surfaces of one channel, not of {}; give one --channel", own);
   for (const ChannelLook& look : asked.channels) {

@@ -64,7 +64,7 @@ std::string lookOptions(const LookArguments& asked, const std::vector<const Show
 // "not 3; give one --channel": the end of a message that so many channels are shown. `last`: of
 // them.
 std::string notOne(size_t channels, const ShownChannel& last);
-// Throws Error for a look of a channel that is not shown.
+// Throws Error for a look of a channel that is not shown, and for a second look of a channel.
 void requireShown(const LookArguments& asked, const std::vector<const ShownChannel*>& shown);
 
 // The files that a look reads; some may be empty.
