@@ -151,7 +151,7 @@ LookArguments lookArguments(const LookOptions& look, bool whole_series) {
     LabelLook own{label.first, label.last, label.color, label.opacity};
     if (parseLabelLook(labelLookText(own)) != own)
       failRequest(
-          "label_looks: {}: expected labels that ascend, a colour and an opacity from 0 to 1",
+          "label_looks: {}: expected whole labels that ascend, a colour and an opacity from 0 to 1",
           labelLookText(own));
     arguments.label_looks.push_back(std::move(own));
   }

@@ -23,7 +23,8 @@ TEST(LabelLook, isOfOneLabelOfSeveralOrOfAll) {
   EXPECT_EQ(parseLabelLook("3=ff8800:0.4"), (LabelLook{3, 3, "ff8800", 0.4}));
   EXPECT_EQ(parseLabelLook("-2--1=:0"), (LabelLook{-2, -1, "", 0.0}));
   EXPECT_EQ(parseLabelLook("all=:0"), (LabelLook{.opacity = 0.0}));
-  for (const char* wrong : {"", "3", "3=", "=red", "3=red:", "3=red:2", "7-3=red", "3=:x", "3=r d"})
+  for (const char* wrong : {"", "3", "3=", "=red", "3=red:", "3=red:2", "7-3=red", "3=:x", "3=r d",
+                            "1.7=red", "0.5-3=red"})
     EXPECT_FALSE(parseLabelLook(wrong)) << wrong;
   for (const char* text : {"3=ff8800", "3=ff8800:0.4", "-2--1=:0", "all=:0", "3-7=green"})
     EXPECT_EQ(labelLookText(*parseLabelLook(text)), text);

@@ -106,7 +106,8 @@ std::string expectedOf(const OptionEntry& entry) {
       return "a channel and its colour, perhaps a range of values and an opacity from 0 to 1, such "
              "as 0:green,400:3000,0.1";
     case OptionForm::kLabels:
-      return "a label N, labels N-M or all, and their colour or opacity from 0 to 1, such as "
+      return "a label N, a whole number, labels N-M or all, and their colour or opacity from 0 to "
+             "1, such as "
              "3=ff8800:0.4";
     case OptionForm::kSurfaces:
       return fmt::format(
@@ -130,7 +131,6 @@ std::string shownOf(const OptionEntry& entry, const ViewState& asked) {
   return entry.kind.form == OptionForm::kWord ? std::get<std::string>(*value) : "";
 }
 
-// The planes, or looks of channels or labels, asked for so far, and one more.
 // The channel or labels that both looks determine, of which the picture could show the last alone;
 // empty: none.
 std::string givenTwice(OptionForm form, const std::string& earlier, const std::string& later) {
@@ -155,11 +155,12 @@ void requireOnce(const OptionEntry& entry, const std::vector<std::string>& earli
 void requireOnce(const OptionEntry& /*entry*/, const std::vector<OptionReals>& /*earlier*/,
                  const OptionReals& /*later*/) {}
 
+// The planes, or looks of channels or labels, asked for so far, and one more.
 template <class Lists>
 OptionValue oneMore(const OptionEntry& entry, const ViewState& asked, const Lists& one) {
   Lists all = std::get<Lists>(entry.get(asked).value_or(Lists()));
-  all.push_back(one.front());
   requireOnce(entry, all, one.front());
+  all.push_back(one.front());
   if (const auto fault = faultOf(entry, all))
     throw CLI::ValidationError(fmt::format("{}: {}", entry.option, fault->expected));
   return all;

@@ -18,8 +18,9 @@ struct LabelLook {
   friend bool operator==(const LabelLook&, const LabelLook&) = default;
 };
 
-// "3=ff8800", "3=ff8800:0.4", "3=:0.4", "3-7=green", "all=:0"; nullopt: no such text. A colour is a
-// word of letters, digits and hyphens; whether there is one of that name is not checked.
+// "3=ff8800", "3=ff8800:0.4", "3=:0.4", "3-7=green", "all=:0"; nullopt: no such text. Labels are
+// whole numbers. A colour is a word of letters, digits and hyphens; whether there is one of that
+// name is not checked.
 std::optional<LabelLook> parseLabelLook(std::string_view text);
 // The text that gives the look again.
 std::string labelLookText(const LabelLook& look);

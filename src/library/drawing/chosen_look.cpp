@@ -142,8 +142,21 @@ class Chooser {
     addLabels();
     if (look_.opacity) add(fmt::format(" --opacity {}", *look_.opacity));
     if (!look_.label_table.empty()) add(" --labels-table " + shellWord(look_.label_table));
-    for (const LabelLook& look : look_.label_looks)
-      add(" --label " + shellWord(labelLookText(look)));
+    for (const LabelLook& look : look_.label_looks) {
+      if (hasLabelOf(look))
+        add(" --label " + shellWord(labelLookText(look)));
+      else
+        chosen_.warnings.push_back(
+            fmt::format("--label {}: no voxel has {}", labelLookText(look),
+                        look.first == look.last ? "this label" : "one of these labels"));
+    }
+  }
+  // Also if the values are not known.
+  bool hasLabelOf(const LabelLook& look) const {
+    const std::vector<ValueCount>& entries = values_.counts.entries;
+    return entries.empty() || std::ranges::any_of(entries, [&](const ValueCount& entry) {
+             return entry.lo <= look.last && entry.hi >= look.first;
+           });
   }
   void addLabels() {
     add(" --labels");
