@@ -312,6 +312,7 @@ void drawSeries(const CullingBench& bench, json& report) {
 // `ranks` [{`ranks`, `blocks` of each over all steps, `most_to_mean`, `most_to_mean_dealt_once`,
 // `steps`}]. Throws Error.
 json benchCulling(const CullingBench& asked) {
+  checkBasis(asked.culling);
   CullingBench bench = asked;
   bench.look.whole_series = true;
   Opened opened(bench);

@@ -61,6 +61,7 @@ nlohmann::json reportOf(const SeriesFunctions& functions, const CLI::App& app) {
 
 int run(PrepareArguments& arguments, const CLI::App& app) {
   arguments.look.whole_series = true;
+  checkBasis(arguments.culling);
   if (!arguments.look.surfaces.empty()) fail("prepare knows nothing of surfaces; leave out --iso");
   Workers pool(arguments.resources.threads);
   const IndexedVolume volume = openIndexed(arguments.volume, arguments.resources,

@@ -85,6 +85,7 @@ void checkOutput(const Arguments& arguments) {
     fail("{}: --aov adds channels to .exr pictures", arguments.output);
   if (arguments.annotate && kind == PictureKind::kExr)
     fail("{}: --annotate draws over .png pictures; an .exr holds values", arguments.output);
+  checkBasis(arguments.culling);
   const PictureSize& size = arguments.frame.size;
   if (arguments.annotate && std::min(size.width, size.height) < kLeastAnnotatedPixels)
     fail("--annotate: a picture of {} x {} pixels has no room for letters; it needs {} x {}",

@@ -316,6 +316,7 @@ int run(const PlanArguments& asked, const CLI::App& app) {
   outputs.reads(filesOf(arguments.look));
   outputs.writes("--report", arguments.report_file, reportKind(arguments.report_file));
   outputs.checkNames();
+  checkBasis(arguments.culling);
   std::optional<PassForecast> pass =
       passOverServer(arguments.volume, arguments.look, arguments.resources, arguments.frame);
   if (pass && pass->is_all) return printPassAlone(arguments, *pass, app);

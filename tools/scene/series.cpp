@@ -44,6 +44,15 @@ std::vector<std::string> basisFiles(const CullingArguments& culling) {
   return names;
 }
 
+void checkBasis(const CullingArguments& culling) {
+  for (const std::string& file : basisFiles(culling)) {
+    if (file.empty())
+      failRequest("--basis {}: expected names of files with commas between", culling.basis);
+    // Any range serves, since only the file's form is looked at.
+    readTransferFunction(file, {0, 1}, {}, interruption());
+  }
+}
+
 SeriesOptions seriesOptions(const CullingArguments& culling, const IndexedVolume& volume) {
   if (culling.part % kDetail != 0)
     failRequest("--part {}: a part has {} cubes a side; give a multiple of {}", culling.part,

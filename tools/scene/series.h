@@ -18,6 +18,8 @@ namespace sluice {
 
 // The names in `--basis`.
 std::vector<std::string> basisFiles(const CullingArguments& culling);
+// Throws Error if one of them is no transfer function, whatever becomes of it later.
+void checkBasis(const CullingArguments& culling);
 // Throws Error, also from a basis' file.
 SeriesOptions seriesOptions(const CullingArguments& culling, const IndexedVolume& volume);
 
