@@ -133,6 +133,7 @@ class Frames {
     else if (writes)
       writer->add(frame.whole->picture);
     drawn_.blocks = frame.blocks;
+    drawn_.step_vox = shown.step_vox;
     std::string empty, empty_layers;
     if (job_.is_first) {
       const IndexPass pass{scene_.pool, *progress_, scene_.memory_bytes, interruption()};

@@ -129,6 +129,10 @@ AskedView addPictureOptions(CLI::App& app, LookArguments& look, FrameOptions& fr
   addLookOptions(app, asked, look, frame);
   frame.camera.view = ViewName::kThreeQuarter;
   addViewOptions(app, asked, frame);
+  CLI::Option* step = app.get_option("--step");
+  step->default_str("");
+  step->description(step->get_description() +
+                    " (1, or less if pixels are smaller than voxels or the picture is lit)");
   TableOptions(app, "View", asked)
       .add("--fit", [&fit](const ViewState& state) { fit = fitChoice(state.view); })
       ->excludes(app.get_option("--eye"));

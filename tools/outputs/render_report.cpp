@@ -10,6 +10,7 @@
 #include "src/base/files/text_file.h"
 #include "src/base/threads/clock.h"
 #include "src/base/values/bytes.h"
+#include "src/cpu/kernel_values.h"
 #include "src/library/opening/thick_source.h"
 #include "tools/command_line/console.h"
 #include "tools/command_line/interrupt.h"
@@ -35,6 +36,18 @@ std::string channelsLine(const Scene& scene) {
   return line;
 }
 
+// The values that were chosen, in place of "auto" and of defaults that stand for a choice.
+void addChosen(nlohmann::json& options, const RenderArguments& arguments, const Drawn& drawn,
+               const Scene& scene) {
+  if (!traitsOf(arguments.frame.mode).on_planes)
+    options["step"] = fmt::format("{}", drawn.step_vox);
+  options["threads"] = fmt::format("{}", scene.pool.threads());
+  const std::string device = nameOf(*scene.device);
+  options["device"] = device;
+  if (device == "gl") options["gl"] = scene.device->backend();
+  if (device == "cpu") options["simd"] = kernelsOf(arguments.resources.device.simd).name;
+}
+
 }  // namespace
 
 nlohmann::json reportOf(const RenderArguments& arguments, const CLI::App& app,
@@ -43,6 +56,7 @@ nlohmann::json reportOf(const RenderArguments& arguments, const CLI::App& app,
   nlohmann::json report = sceneJson(scene, drawn.frames);
   report["command"] = "render";
   report["options"] = optionsJson(app);
+  addChosen(report["options"], arguments, drawn, scene);
   report["output"] = drawn.name.string();
   for (size_t i = 0; i < drawn.frames.size() && isSeries(arguments); ++i)
     report["frames"][i]["time"] = timeOf(arguments, to_draw[i]);

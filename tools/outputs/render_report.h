@@ -27,6 +27,7 @@ struct Drawn {
   std::filesystem::path name;
   std::vector<std::filesystem::path> views;
   Picture picture;
+  double step_vox = 0;  // between its slices
   VisibleBlocksPtr blocks;
   bool is_cut = false;  // a signal came: the frames that were drawn until then
 };
