@@ -316,5 +316,17 @@ TEST_F(CullingCommand, benchHasTheNamesOfTheInterface) {
   EXPECT_EQ(report["views"].size(), 3U);
 }
 
+TEST_F(CullingCommand, aMissingBasisIsRefusedWithoutCullingToo) {
+  for (const std::string command : {"render", "plan", "prepare", "bench culling"}) {
+    const CommandResult result =
+        program_.run(command + " " + kSmall + " --threshold 40 --basis nosuch.json" +
+                     (command == "render" ? " -o b.png" : ""));
+    EXPECT_EQ(result.status, 1) << command;
+    EXPECT_TRUE(isOneLine(result.output)) << result.output;
+    EXPECT_THAT(result.output, HasSubstr("nosuch.json: ")) << command;
+  }
+  EXPECT_FALSE(program_.exists("b.png"));
+}
+
 }  // namespace
 }  // namespace sluice

@@ -377,6 +377,26 @@ TEST(Look, opacityBesideAFileIsAWarning) {
   EXPECT_THAT(program.run(line + "--transfer t.json").output, Not(HasSubstr("warning")));
 }
 
+TEST(Look, labelsThatNoVoxelHasAreAWarning) {
+  const Program program;
+  std::string voxels(size_t{8} * 8 * 8, '\0');
+  for (size_t i = 0; i < voxels.size(); ++i) voxels[i] = static_cast<char>(i % 3);
+  std::ofstream(program.folder / "l_8x8x8_uint8.raw", std::ios::binary) << voxels;
+  const auto labelled = [&](const std::string& more) {
+    return program.run("render l_8x8x8_uint8.raw -o a.png --force --size 32 " + more).output;
+  };
+  const std::string plain = labelled("--labels");
+  EXPECT_THAT(plain, Not(HasSubstr("warning")));
+  const std::string line = labelled("--label 12345=red --label 1=red");
+  EXPECT_THAT(line, HasSubstr("sluice: warning: --label 12345=red: no voxel has this label\n"));
+  EXPECT_THAT(line, HasSubstr("look: --labels --label 1=red "));
+  EXPECT_THAT(labelled("--label 5-9=red"), HasSubstr("no voxel has one of these labels"));
+  EXPECT_THAT(labelled("--label 1-9=red --label all=:0.5"), Not(HasSubstr("warning")));
+  const CommandResult half = program.run("render l_8x8x8_uint8.raw -o b.png --label 1.7=red");
+  EXPECT_EQ(half.status, 2);
+  EXPECT_THAT(half.output, HasSubstr("--label: expected a label N, a whole number"));
+}
+
 TEST(Look, optionsThatContradictEachOtherAreRefused) {
   const Program program;
   const std::string line = std::string("render ") + kSmall + " -o a.png ";

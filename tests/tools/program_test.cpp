@@ -444,5 +444,23 @@ TEST(Bench, packingNamesEachCodec) {
   for (const auto& row : report["rows"]) EXPECT_GE(row["ratio"].get<double>(), 1) << row["codec"];
 }
 
+TEST(Program, reportsSayWhatWasUsed) {
+  const Program program;
+  const auto options = [&](const std::string& more) {
+    return program.json(std::string("render ") + kSmall + " -o a.png --force --device cpu " +
+                        more)["options"];
+  };
+  // Pixels are smaller than voxels, and the picture is lit.
+  EXPECT_EQ(options("--size 300 --shade")["step"], "0.25");
+  EXPECT_EQ(options("--size 300 --no-shade")["step"], "0.5");
+  EXPECT_EQ(options("--size 300 --step 2")["step"], "2");
+  EXPECT_FALSE(options("--size 32 --mode mip").contains("step"));
+  const nlohmann::json all = options("--size 32 -j 2");
+  EXPECT_EQ(all["threads"], "2");
+  EXPECT_NE(options("--size 32")["threads"], "0");
+  EXPECT_EQ(all["device"], "cpu");
+  EXPECT_NE(all["simd"], "auto");
+}
+
 }  // namespace
 }  // namespace sluice
