@@ -91,6 +91,7 @@ ViewState viewWith(const OptionEntry& entry, Values& values) {
     state.view.look_at = ViewOptions::LookAt{{1, 2, 3}, {-4, 5, 6}};
   // A command line with looks of labels means labels.
   state.look.labels = std::string_view(entry.key).starts_with("label_");
+  if (entry.option == "--attenuation") state.look.mode = LookOptions::Mode::kAttenuatedMaximum;
   entry.set(state, values.of(entry.kind));
   return state;
 }

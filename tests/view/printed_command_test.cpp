@@ -65,6 +65,35 @@ TEST(PrintedCommand, saysPointsBesideTheFileOfTheirColours) {
   EXPECT_EQ(words[1], OptionWord("--opacities", "1:0,2:0.5"));
 }
 
+// The program would warn of them, or refuse them.
+TEST(PrintedCommand, leavesOutWhatDoesNotCount) {
+  ViewState state;
+  state.step_vox = 2;
+  state.jitter = 1;
+  state.quality = PictureOptions::Quality::kHigh;
+  state.lighting.ambient = 0.5;
+  state.lighting.depth_cueing = 1;
+  state.look.opacity = 0.5;
+  state.look.attenuation = 3;
+  state.look.full_gradient = 0.2;
+  state.look.light = LookOptions::Light::kOn;
+  const auto said = [&](const std::string& look = "") {
+    return renderCommand({}, state, look, 10, 10, "b.png");
+  };
+  for (const char* option : {"--step", "--jitter", "--quality", "--ambient", "--depth-cueing",
+                             "--opacity", "--modulate", "--shade"})
+    EXPECT_NE(said().find(option), std::string::npos) << option << ": " << said();
+  EXPECT_EQ(said().find("--attenuation"), std::string::npos);
+  EXPECT_EQ(said("--map ct-bone --no-shade").find("--ambient"), std::string::npos);
+  state.look.mode = LookOptions::Mode::kMaximum;
+  EXPECT_EQ(said(),
+            "sluice render --mode=mip --projection=ortho --view=three-quarter --azimuth=0 "
+            "--elevation=0 --zoom=1 --size 10x10 -o b.png");
+  state.look.mode = LookOptions::Mode::kAttenuatedMaximum;
+  EXPECT_NE(said().find("--attenuation=3"), std::string::npos) << said();
+  EXPECT_NE(said().find("--step=2"), std::string::npos) << said();
+}
+
 TEST(PrintedCommand, namesThatBeginAsOptionsAreFiles) {
   ViewedVolume volume;
   volume.paths = {"-a.nrrd"};

@@ -2,14 +2,18 @@
 #include <algorithm>
 #include <chrono>
 #include <memory>
+#include <set>
+#include <string>
 
 #include "src/annotate/annotate.h"
 #include "src/base/error.h"
+#include "src/library/opening/thick_source.h"
 #include "tools/command_line/console.h"
 #include "tools/commands/commands.h"
 #include "tools/commands/render_checks.h"
 #include "tools/commands/render_frames.h"
 #include "tools/commands/verification.h"
+#include "tools/options/idle_options.h"
 #include "tools/options/shared_options.h"
 #include "tools/options/view_state_option.h"
 #include "tools/outputs/film.h"
@@ -21,34 +25,24 @@ namespace {
 
 using Arguments = RenderArguments;
 
-// Pictures that are sampled plainly, whatever --quality says.
-const char* whyPlain(const Arguments& arguments, const Scene& scene) {
-  if (!traitsOf(arguments.frame.mode).has_colors) return "this --mode";
-  if (!arguments.look.surfaces.empty()) return "a picture with --iso";
-  return scene.look.transfer.labels
-             ? "a picture of labels"
-             : "a picture from levels of resolution; --level 0 leaves them out";
-}
-
 // Options that were given for nothing, one line each.
-void warnOfIdleOptions(const Arguments& arguments, CLI::App& app, const Scene& scene) {
-  if (arguments.frame.integrates && !scene.integrates(arguments.frame))
-    printWarning(fmt::format("{}: --quality changes nothing in {}", scene.volume.name,
-                             whyPlain(arguments, scene)));
+void warnOfIdleOptions(const Arguments& arguments, const std::set<std::string>& given,
+                       const Scene& scene) {
+  PictureFacts facts{arguments.look, arguments.frame, arguments.culling, arguments.resources};
   const auto layers = scene.layers();
-  const bool is_lit = traitsOf(arguments.frame.mode).has_colors &&
-                      std::ranges::any_of(layers, [](const Layer* each) { return each->look.lit; });
-  for (const char* option :
-       {"--light", "--ambient", "--diffuse", "--specular", "--shadows", "--occlusion-light"})
-    if (!is_lit && app.count(option) > 0)
-      printWarning(
-          fmt::format("{}: {} changes nothing in a picture without lighting; --shade in "
-                      "composite mode lights it",
-                      scene.volume.name, option));
+  facts.is_film = isFilmName(arguments.output);
+  facts.is_lit = std::ranges::any_of(layers, [](const Layer* each) { return each->look.lit; });
+  facts.integrates = scene.integrates(arguments.frame);
+  facts.shows_labels = scene.look.transfer.labels;
+  facts.layers = layers.size();
+  facts.time_steps = storedLayout(*scene.volume.source).time_steps;
+  for (const std::string& line : idleOptions(given, facts))
+    printWarning(fmt::format("{}: {}", scene.volume.name, line));
 }
 
 int run(Arguments& arguments, CLI::App& app, Team* team) {
   const auto began = std::chrono::steady_clock::now();
+  const std::set<std::string> given = givenOptions(app);
   std::optional<SavedView> saved;
   if (!arguments.state_file.empty()) {
     saved = applyState(app, arguments.state_file);
@@ -98,11 +92,12 @@ int run(Arguments& arguments, CLI::App& app, Team* team) {
   Scene& scene = *fitted.scene;
   requireOneChannel(arguments, scene);
   const std::vector<Camera>& cameras = fitted.cameras;
-  if (is_first)
+  if (is_first && !arguments.resources.quiet) {
     for (const Layer* layer : scene.layers())
       for (const std::string& warning : layer->look.warnings) printWarning(warning);
+    warnOfIdleOptions(arguments, given, scene);
+  }
   if (scene.volume.stand_in && !arguments.resources.quiet) printWarning(scene.volume.standInNote());
-  if (is_first) warnOfIdleOptions(arguments, app, scene);
   if (team != nullptr) expectSameScene(*team, scene, cameras, arguments.frame);
   RenderJob job{arguments, to_draw,  cameras,  output, {},
                 scene,     is_first, has_step, began,  std::move(earlier_pictures)};

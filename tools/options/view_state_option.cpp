@@ -76,10 +76,13 @@ void SavedView::requireFits(const VolumeInfo& volume) const {
 }
 
 SavedView applyState(CLI::App& app, const std::string& file) {
-  const StateFile state = readState(file, interruption());
+  StateFile state = readState(file, interruption());
   const std::vector<const OptionEntry*> besides = givenOptions(app);
   SavedView saved{without(besides, state), {}, file};
   if (state.path) saved.film = SavedFilm{*state.path, besides};
+  // Options that count in the user's mode are taken from the file, and no others.
+  if (isGiven(app, "--mode"))
+    optionEntry("--mode").set(state.state, app.get_option("--mode")->as<std::string>());
   std::vector<OptionWord> words = pictureWords(state.state);
   const std::vector<OptionWord> look = lookWords(state.state.look);
   words.insert(words.end(), look.begin(), look.end());

@@ -13,10 +13,12 @@
 #include "src/base/values/bytes.h"
 #include "src/library/drawing/picture_cost.h"
 #include "src/library/drawing/shared_world.h"
+#include "src/library/opening/thick_source.h"
 #include "tools/command_line/console.h"
 #include "tools/command_line/interrupt.h"
 #include "tools/command_line/progress_line.h"
 #include "tools/commands/commands.h"
+#include "tools/options/idle_options.h"
 #include "tools/options/shared_options.h"
 #include "tools/outputs/report.h"
 #include "tools/pages/report_file.h"
@@ -300,8 +302,21 @@ int printPassAlone(const PlanArguments& arguments, const PassForecast& pass, con
   return kDone;
 }
 
+// A plan does not light its picture, so that it knows nothing of idle lights.
+void warnOfIdleOptions(const PlanArguments& arguments, const std::vector<PlannedChannel>& channels,
+                       const CLI::App& app) {
+  const PlannedChannel& first = channels.front();
+  PictureFacts facts{arguments.look, arguments.frame, arguments.culling, arguments.resources};
+  facts.shows_labels = first.transfer.labels;
+  facts.layers = channels.size();
+  facts.time_steps = storedLayout(*first.volume.source).time_steps;
+  for (const std::string& line : idleOptions(givenOptions(app), facts))
+    printWarning(fmt::format("{}: {}", first.volume.name, line));
+}
+
 int run(const PlanArguments& asked, const CLI::App& app) {
   PlanArguments arguments = asked;
+  checkBasis(arguments.culling);
   Workers pool(arguments.resources.threads);
   if (arguments.frame.partition == Partition::kBoxes)
     refuseLevels(arguments.levels, "--partition boxes plans the finest level alone");
@@ -316,7 +331,6 @@ int run(const PlanArguments& asked, const CLI::App& app) {
   outputs.reads(filesOf(arguments.look));
   outputs.writes("--report", arguments.report_file, reportKind(arguments.report_file));
   outputs.checkNames();
-  checkBasis(arguments.culling);
   std::optional<PassForecast> pass =
       passOverServer(arguments.volume, arguments.look, arguments.resources, arguments.frame);
   if (pass && pass->is_all) return printPassAlone(arguments, *pass, app);
@@ -333,6 +347,7 @@ int run(const PlanArguments& asked, const CLI::App& app) {
   if (must_read && !pass) planned = openPlanned(arguments, FinestLevel::kRead, outputs, pool);
   std::vector<PlannedChannel>& channels = planned.channels;
   PlannedChannel& first = channels.front();
+  if (!arguments.resources.quiet) warnOfIdleOptions(arguments, channels, app);
   arguments.frame.camera = planned.camera;
   if (channels.size() > 1 && arguments.culling.culling != Culling::kNone)
     fail("{}: --culling looks at one channel, {}", first.volume.name,

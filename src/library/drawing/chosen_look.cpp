@@ -69,6 +69,7 @@ class Chooser {
         range_(ascending(map_range_)) {}
 
   ChosenLook choose() {
+    chosen_.mode = mode_;
     chosen_.lit = look_.first_picture;
     if (drawsSurfacesAlone()) {
       onlyColors();
@@ -183,6 +184,9 @@ class Chooser {
     chosen_.transfer = wholeRangeTransfer(map, map_range_);
     addMap(map);
     add(rangeOption(map_range_));
+    if (look_.opacity)
+      chosen_.warnings.push_back(fmt::format(
+          "--opacity {}: changes nothing in this --mode without --threshold", *look_.opacity));
   }
 
   void automatic() {
@@ -276,7 +280,7 @@ class Chooser {
   }
 
   void modulate() {
-    if (!look_.modulate) return;
+    if (!look_.modulate || !traitsOf(mode_).has_colors) return;
     // A volume of one value is flat, whatever the unit.
     const double unit = range_.hi > range_.lo ? range_.hi - range_.lo : 1;
     chosen_.transfer = modulateByGradient(std::move(chosen_.transfer), look_.full_gradient * unit);
@@ -291,7 +295,7 @@ class Chooser {
 
   void light() {
     if (!traitsOf(mode_).has_colors || look_.no_shade) chosen_.lit = false;
-    if (look_.shade) chosen_.lit = true;
+    if (look_.shade && traitsOf(mode_).has_colors) chosen_.lit = true;
     if (traitsOf(mode_).has_colors) add(chosen_.lit ? " --shade" : " --no-shade");
     if (!chosen_.options.empty()) chosen_.options.erase(0, 1);
   }

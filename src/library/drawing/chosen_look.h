@@ -17,6 +17,7 @@ namespace sluice {
 
 struct ChosenLook {
   TransferFunction transfer;
+  Mode mode = Mode::kComposite;  // the one that it was chosen for
   bool lit = false;
   // Factor of Lighting::flat_share. Flatness is measured against the colours' range if that is
   // known, since fill values stretch the range of the values, and a step's range differs from its

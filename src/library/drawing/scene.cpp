@@ -201,7 +201,7 @@ std::string Scene::lookText() const {
   if (more.empty()) return look.options;
   std::vector<const ShownChannel*> shown;
   for (const Layer* layer : layers()) shown.push_back(&layer->volume.channel);
-  return lookOptions(asked, shown, look.options);
+  return lookOptions(asked, shown, look.options, look.mode);
 }
 
 std::string Scene::lookOf(const FrameOptions& options) const {

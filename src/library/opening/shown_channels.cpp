@@ -259,7 +259,7 @@ std::string lookOption(const LookArguments& asked, const ShownChannel& channel) 
 }  // namespace
 
 std::string lookOptions(const LookArguments& asked, const std::vector<const ShownChannel*>& shown,
-                        const std::string& first_options) {
+                        const std::string& first_options, Mode mode) {
   std::string channels, looks;
   for (const ShownChannel* channel : shown) {
     const bool is_plain = channel->is_alone && ownLook(asked, *channel) == nullptr;
@@ -280,12 +280,12 @@ std::string lookOptions(const LookArguments& asked, const std::vector<const Show
     text += fmt::format("{}{}:{}", i == 0 ? " --opacities " : ",", asked.opacities[i].value,
                         asked.opacities[i].opacity);
   text += looks;
+  if (!traitsOf(mode).has_colors) return text;
   if (asked.modulate) text += fmt::format(" --modulate --full-gradient {}", asked.full_gradient);
   if (asked.shade) text += " --shade";
   return text;
 }
 
-void requireShown(const LookArguments& asked, const std::vector<const ShownChannel*>& shown) {
 namespace {
 
 // A channel may be called by its number and by its name.
@@ -302,8 +302,9 @@ void requireOneLookEach(const LookArguments& asked, const ShownChannel& channel)
 
 }  // namespace
 
-  const auto own = std::ranges::count(shown, false, &ShownChannel::is_over);
+void requireShown(const LookArguments& asked, const std::vector<const ShownChannel*>& shown) {
   for (const ShownChannel* channel : shown) requireOneLookEach(asked, *channel);
+  const auto own = std::ranges::count(shown, false, &ShownChannel::is_over);
   if (!asked.surfaces.empty() && own > 1)
     failRequest("--iso draws surfaces of one channel, not of {}; give one --channel", own);
   for (const ChannelLook& look : asked.channels) {

@@ -60,7 +60,7 @@ LookArguments knownLookOfChannel(const LookArguments& asked, const ShownChannel&
 // The options that give the looks of these channels together again; `first_options` are those of
 // the first one, if it looks like a volume of one channel.
 std::string lookOptions(const LookArguments& asked, const std::vector<const ShownChannel*>& shown,
-                        const std::string& first_options);
+                        const std::string& first_options, Mode mode);
 // "not 3; give one --channel": the end of a message that so many channels are shown. `last`: of
 // them.
 std::string notOne(size_t channels, const ShownChannel& last);

@@ -76,6 +76,9 @@ bool hasNoPlace(const ViewState& state) {
 bool hasPerspective(const ViewState& state) {
   return state.view.projection == View::Projection::kPerspective;
 }
+bool hasLabelsOfAnyKind(const ViewState& state) {
+  return state.look.labels || !state.look.label_table.empty() || !state.look.label_looks.empty();
+}
 bool hasLabels(const ViewState& state) {
   return state.look.labels;
 }
@@ -87,11 +90,32 @@ bool hasNoFile(const ViewState& state) {
   return hasNoPoints(state) && state.look.transfer_file.empty();
 }
 bool hasRamp(const ViewState& state) {
-  return hasNoFile(state) && !state.look.labels && state.look.label_table.empty() &&
-         state.look.label_looks.empty();
+  return hasNoFile(state) && !hasLabelsOfAnyKind(state);
+}
+bool hasColors(const ViewState& state) {
+  return state.look.mode == Look::Mode::kComposite;
+}
+// The opacity is for ramps and labels; modes that show values take it with a threshold alone.
+bool hasOneOpacity(const ViewState& state) {
+  return hasNoFile(state) &&
+         (hasColors(state) || state.look.threshold || hasLabelsOfAnyKind(state));
+}
+bool hasQuality(const ViewState& state) {
+  return state.quality != PictureOptions::Quality::kPlain;
 }
 bool isIntegrated(const ViewState& state) {
-  return state.quality != PictureOptions::Quality::kPlain;
+  return hasQuality(state) && hasColors(state) && state.look.surfaces.empty() &&
+         !hasLabelsOfAnyKind(state);
+}
+bool mayBeLit(const ViewState& state) {
+  return hasColors(state) && state.look.light != Look::Light::kOff;
+}
+bool isAttenuated(const ViewState& state) {
+  return state.look.mode == Look::Mode::kAttenuatedMaximum;
+}
+// The other modes take values of the voxel planes.
+bool hasSlices(const ViewState& state) {
+  return hasColors(state) || isAttenuated(state) || state.look.mode == Look::Mode::kAverage;
 }
 bool isBlended(const ViewState& state) {
   return state.look.combine == LookOptions::Combine::kBlend;
@@ -157,8 +181,10 @@ std::vector<OptionEntry> makeTable() {
           {Form::kNumber, {0, 1000}},
           "A",
           "--mode attenuated-mip: a voxel length at the top of --range dims values behind it by "
-          "exp(-A); lower values dim in proportion (0.05)"}),
-      in(&Look::light, {"light", "--shade", 7, light}),
+          "exp(-A); lower values dim in proportion (0.05)",
+          nullptr,
+          isAttenuated}),
+      in(&Look::light, {"light", "--shade", 7, light, "", "", nullptr, hasColors}),
       in(&Look::threshold, {"threshold",
                             "--threshold",
                             3,
@@ -175,7 +201,7 @@ std::vector<OptionEntry> makeTable() {
                           "Opacity per voxel length at the top of a ramp (0.05), or of all labels; "
                           "automatic opacities change in proportion to it",
                           nullptr,
-                          hasNoPoints}),
+                          hasOneOpacity}),
       in(&Look::opacities,
          {"opacities",
           "--opacities",
@@ -247,17 +273,20 @@ std::vector<OptionEntry> makeTable() {
           {.limits = factor.limits, .needs = "--modulate"},
           "SHARE",
           "Gradient magnitude at which the ramp of --modulate reaches 1, as a share of the "
-          "value range per voxel length"}),
+          "value range per voxel length",
+          nullptr,
+          hasColors}),
 
       in(&ViewState::time,
          {"time", "--time", 40, {Form::kWhole, {0}, "a time step"}, "", "", nullptr, isLater}),
-      in(&ViewState::step_vox, {"step", "--step", 41, factor, "VOXELS",
-                                "Distance between slices in voxels of the finest spacing"}),
+      in(&ViewState::step_vox,
+         {"step", "--step", 41, factor, "VOXELS",
+          "Distance between slices in voxels of the finest spacing", nullptr, hasSlices}),
       in(&ViewState::quality,
          {"quality", "--quality", 46, wordOf({"plain", "fast", "normal", "high"}), "",
           "How rays are sampled: plain takes single values; fast, normal and high take all values "
           "between samples, at 2, 1 and 1/2 times the chosen step",
-          isIntegrated}),
+          hasQuality, isIntegrated}),
       in(&ViewState::jitter,
          {"jitter",
           "--jitter",
@@ -265,7 +294,9 @@ std::vector<OptionEntry> makeTable() {
           {.form = Form::kNumber, .limits = kShare, .bare = "1"},
           "SHARE",
           "Moves the samples of each ray by up to half their distance (--jitter=SHARE: by less), "
-          "which turns rings into fine grain"}),
+          "which turns rings into fine grain",
+          nullptr,
+          hasColors}),
       in(&PictureOptions::Lighting::key,
          {"key_light",
           "--light",
@@ -273,27 +304,35 @@ std::vector<OptionEntry> makeTable() {
           {Form::kAngles, {-36000, 36000}, "degrees"},
           "AZIMUTH,ELEVATION",
           "Where the key light of lit pictures comes from: degrees to the viewer's right and "
-          "upwards (-22,29)"}),
+          "upwards (-22,29)",
+          nullptr,
+          mayBeLit}),
       in(&PictureOptions::Lighting::ambient,
          {"ambient",
           "--ambient",
           48,
           {Form::kNumber, kShare},
           "SHARE",
-          "Share of the colour that lit samples show in any light (0.3)"}),
+          "Share of the colour that lit samples show in any light (0.3)",
+          nullptr,
+          mayBeLit}),
       in(&PictureOptions::Lighting::diffuse,
          {"diffuse",
           "--diffuse",
           49,
           {Form::kNumber, kShare},
           "SHARE",
-          "Share of the colour that a surface shows facing a light (0.65)"}),
+          "Share of the colour that a surface shows facing a light (0.65)",
+          nullptr,
+          mayBeLit}),
       in(&PictureOptions::Lighting::specular, {"specular",
                                                "--specular",
                                                50,
                                                {Form::kNumber, kShare},
                                                "SHARE",
-                                               "Brightness of highlights (0.2)"}),
+                                               "Brightness of highlights (0.2)",
+                                               nullptr,
+                                               mayBeLit}),
       in(&PictureOptions::Lighting::shadows,
          {"shadows",
           "--shadows",
@@ -301,7 +340,9 @@ std::vector<OptionEntry> makeTable() {
           {.form = Form::kNumber, .limits = kShare, .bare = "1"},
           "SHARE",
           "Matter casts shadows in the key light of lit pictures; SHARE, 0 to 1, is the part of "
-          "that light taken away (1)"}),
+          "that light taken away (1)",
+          nullptr,
+          mayBeLit}),
       in(&PictureOptions::Lighting::occlusion,
          {"occlusion_light",
           "--occlusion-light",
@@ -310,7 +351,9 @@ std::vector<OptionEntry> makeTable() {
           "SHARE",
           "Matter around a place keeps other light away from it (ambient occlusion); SHARE, 0 to "
           "1, "
-          "is the part kept away (1)"}),
+          "is the part kept away (1)",
+          nullptr,
+          mayBeLit}),
       in(&PictureOptions::Lighting::depth_cueing,
          {"depth_cueing",
           "--depth-cueing",
@@ -318,7 +361,9 @@ std::vector<OptionEntry> makeTable() {
           {.form = Form::kNumber, .limits = kShare, .bare = "1"},
           "SHARE",
           "Darkens distant parts, lit or not; SHARE, 0 to 1, is how much the farthest visible part "
-          "is darkened (1: black)"}),
+          "is darkened (1: black)",
+          nullptr,
+          hasColors}),
       in(&ViewState::crop, {"crop",
                             "--crop",
                             42,

@@ -132,7 +132,9 @@ std::string renderCommand(const ViewedVolume& volume, const ViewState& state,
     const auto words = lookWords(state.look);
     add({words.back()});  // the mode
   }
-  add(pictureWords(state));
+  ViewState of_look = state;
+  if (look.find("--no-shade") != std::string::npos) of_look.look.light = LookOptions::Light::kOff;
+  add(pictureWords(of_look));
   // Levels of another program, which the program draws on request alone.
   const LookOptions& shown = state.look;
   const bool has_labels = shown.labels || !shown.label_table.empty() || !shown.label_looks.empty();

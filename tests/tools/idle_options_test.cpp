@@ -1,0 +1,119 @@
+// Options that change nothing: a warning each, unless a saved view or a printed look gives them.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "tests/tools/program.h"
+
+namespace sluice {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+class IdleOptions : public testing::Test {
+ protected:
+  // All that the run prints on either stream.
+  std::string said(const std::string& more, const std::string& volume = kSmall) const {
+    const CommandResult result =
+        program_.run("render " + volume + " -o a.png --force --device cpu --size 32 " + more);
+    EXPECT_EQ(result.status, 0) << more << ": " << result.output;
+    return result.output;
+  }
+  std::string picture() const { return readFile(program_.folder / "a.png"); }
+
+  const Program program_;
+};
+
+// An option, what makes it idle, and what makes it count.
+struct Case {
+  std::string option, idle, counts;
+};
+
+const std::vector<Case>& cases() {
+  static const std::vector<Case> all = {
+      {"--attenuation 3", "--mode mip", "--mode attenuated-mip"},
+      {"--fov 50", "", "--projection perspective"},
+      {"--combine blend", "", "--threshold 40 --over synth:cube,dims=48x40x36"},
+      {"--merge first-fit", "--algorithm trimmed", "--algorithm merged"},
+      {"--rate 5", "", ""},
+      {"--difference 0.5", "--culling toc --threshold 40", ""},
+      {"--directions 2", "", "--culling opof --threshold 40"},
+      {"--opacity-threshold 0.5", "--mode mip", "--threshold 40"},
+      {"--modulate", "--mode mip", "--threshold 40"},
+      {"--modulate --full-gradient 0.5", "--mode minip", "--threshold 40"},
+      {"--shade", "--mode mip", "--threshold 40"},
+      {"--step 3", "--mode mip", "--mode average"},
+      {"--seed 3", "", "--policy random"},
+      {"--quality high", "--mode mip", "--threshold 40"},
+      {"--quality high", "--iso 100", "--threshold 40"},
+      {"--ambient 0.5", "--no-shade", "--shade"},
+      {"--opacity 0.5", "--mode mip", "--mode mip --threshold 40"}};
+  return all;
+}
+
+TEST_F(IdleOptions, areAWarningEachAndChangeNoPicture) {
+  for (const Case& c : cases()) {
+    SCOPED_TRACE(c.option + " " + c.idle);
+    const std::string name = c.option.substr(0, c.option.find(' '));
+    EXPECT_THAT(said(c.idle), Not(HasSubstr("warning")));
+    const std::string without = picture();
+    const std::string line = said(c.option + " " + c.idle);
+    EXPECT_THAT(line, HasSubstr("sluice: warning: "));
+    EXPECT_THAT(line, HasSubstr(name));
+    EXPECT_THAT(line, HasSubstr("changes nothing "));
+    EXPECT_TRUE(picture() == without);
+    EXPECT_THAT(said("-q " + c.option + " " + c.idle), Not(HasSubstr("changes nothing")));
+    if (c.counts.empty()) continue;
+    EXPECT_THAT(said(c.option + " " + c.counts), Not(HasSubstr("changes nothing")));
+  }
+}
+
+TEST_F(IdleOptions, areWarningsOfPlansToo) {
+  const auto planned = [&](const std::string& more) {
+    return program_.run(std::string("plan ") + kSmall + " --threshold 40 " + more).output;
+  };
+  EXPECT_THAT(planned("--fov 50"), HasSubstr("--fov changes nothing with an orthographic camera"));
+  EXPECT_THAT(planned("--shadows --light 1,2 --projection perspective --fov 50"),
+              Not(HasSubstr("changes nothing")));
+}
+
+TEST_F(IdleOptions, ofASavedViewAreNoWarning) {
+  std::ofstream(program_.folder / "view.json") << R"({"sluice": "view",
+      "camera": {"fov": 50}, "step": 3, "jitter": 1, "key_light": [9, 9], "quality": "high",
+      "look": {"mode": "mip", "attenuation": 3, "opacity": 0.5, "light": "on",
+               "full_gradient": 0.5, "combine": "blend"}})";
+  EXPECT_THAT(said("--state view.json"), Not(HasSubstr("warning")));
+  const std::string view = picture();
+  std::ofstream(program_.folder / "plain.json") << R"({"sluice": "view", "look": {"mode": "mip"}})";
+  said("--state plain.json");
+  EXPECT_TRUE(picture() == view);
+  // The user's own options are another matter, and the file's count in the user's mode.
+  EXPECT_THAT(said("--state view.json --step 2"), HasSubstr("--step changes nothing in this"));
+  EXPECT_THAT(said("--state view.json --mode attenuated-mip"), HasSubstr("--attenuation 3"));
+}
+
+TEST_F(IdleOptions, areNotInALookThatIsPrinted) {
+  for (const std::string mode : {"mip", "attenuated-mip", "average"}) {
+    const std::string asked = "--mode " + mode + " --modulate --shade";
+    const std::string look =
+        program_.json(std::string("render ") + kSmall + " -o a.png --force --size 32 " +
+                      asked)["look"]["options"];
+    EXPECT_THAT(look, Not(HasSubstr("--modulate")));
+    EXPECT_THAT(look, Not(HasSubstr("--shade")));
+    EXPECT_THAT(said("--mode " + mode + " " + look), Not(HasSubstr("warning")));
+  }
+  for (const std::string more : {"", "--threshold 40 --modulate", "--iso 100", "--no-shade"}) {
+    const std::string look = program_.json(
+        std::string("render ") + kSmall + " -o a.png --force --size 32 " + more)["look"]["options"];
+    EXPECT_THAT(said(look), Not(HasSubstr("warning"))) << look;
+  }
+}
+
+}  // namespace
+}  // namespace sluice
