@@ -139,6 +139,10 @@ TEST_F(FetchProgram, showsTheTermsOfANamedVolumeFirst) {
   EXPECT_EQ(unknown.status, 1);
   EXPECT_TRUE(isOneLine(unknown.output)) << unknown.output;
   EXPECT_THAT(unknown.output, HasSubstr("did you mean bonsai?"));
+  const CommandResult renamed = program_.run("fetch bonsai -o small_16x8x8_uint8.raw");
+  EXPECT_EQ(renamed.status, 1);
+  EXPECT_TRUE(isOneLine(renamed.output)) << renamed.output;
+  EXPECT_THAT(renamed.output, HasSubstr("small_16x8x8_uint8.raw: the name says 16 x 8 x 8 voxels"));
   EXPECT_EQ(program_.run("fetch").status, 2);
   EXPECT_EQ(program_.run("fetch x --sha256 12").status, 2);
 }
