@@ -124,6 +124,7 @@ int pack(const PackArguments& arguments) {
   outputs.checkNames();
   const auto sources = openEachChannel(arguments.volume);
   std::vector<VolumeSource*> channels;
+  channels.reserve(sources.size());
   for (const auto& source : sources) channels.push_back(source.get());
   outputs.check(channels.front()->files());
   Workers pool(arguments.resources.threads);

@@ -25,6 +25,7 @@ void writeText(const std::string& file, const std::string& text) {
 
 void writePage(const std::string& file, const std::vector<SimulatedRun>& runs) {
   std::vector<SimulationReport> reports;
+  reports.reserve(runs.size());
   for (const SimulatedRun& run : runs) reports.push_back(*run.report);
   writeText(file, simulationPage(reports));
 }
