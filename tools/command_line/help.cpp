@@ -127,7 +127,7 @@ std::string HelpFormatter::make_help(const CLI::App* app, std::string /*name*/,
       else
         ++left_out;
     }
-    if (!lines.empty()) text += "\n" + group + ":\n" + lines;
+    if (!lines.empty()) text += fmt::format("\n{}:\n{}", group, lines);
   }
   if (left_out > 0)
     text += fmt::format("\n{} more options: {} --help-all\n", left_out, fullName(*app));

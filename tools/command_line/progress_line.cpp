@@ -66,7 +66,7 @@ class Line {
 
 }  // namespace
 
-ProgressWatch progressLine(std::string label, ProgressUnit unit) {
+ProgressWatch progressLine(const std::string& label, ProgressUnit unit) {
   if (isatty(STDERR_FILENO) != 1) return {};
   auto line = std::make_shared<Line>(label, unit);
   return [line](uint64_t done, uint64_t total) { line->tell(done, total); };

@@ -13,6 +13,6 @@ enum class ProgressUnit { kBytes, kPieces, kShare };
 
 // The line appears after half a second, and ends with the last copy of the returned function. It
 // must not be called by two threads at once, as a ProgressMeter never does.
-ProgressWatch progressLine(std::string label, ProgressUnit unit = ProgressUnit::kBytes);
+ProgressWatch progressLine(const std::string& label, ProgressUnit unit = ProgressUnit::kBytes);
 
 }  // namespace sluice

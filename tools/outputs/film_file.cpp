@@ -60,6 +60,7 @@ std::vector<std::string> commandOf(const std::filesystem::path& output, PictureS
 // a Ctrl-C is ours to answer. 0 or an errno.
 int spawn(pid_t& child, std::vector<std::string> words, int input, int errors) {
   std::vector<char*> arguments;
+  arguments.reserve(words.size() + 1);
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
   posix_spawn_file_actions_t streams;

@@ -113,6 +113,7 @@ std::string drawPolicies(const SimulationReport& report, SvgPlot& plot) {
       if (row.policy == look.kind) by_size[static_cast<double>(row.pages)] = &row;
     if (by_size.empty()) continue;
     std::vector<SvgPlot::Point> points;
+    points.reserve(by_size.size());
     for (const auto& [pages, row] : by_size) points.emplace_back(pages, row->missRatio());
     plot.line(points, fmt::format("run {}", look.css), name(look.kind));
     for (const auto& [pages, row] : by_size) {

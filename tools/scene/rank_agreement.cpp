@@ -65,7 +65,7 @@ uint64_t digestOf(std::span<const Camera> cameras, const VolumeLayout& layout) {
 }
 
 // Exact positions of blocks: one block more or less would be a hole in the picture.
-uint64_t digestOfCuts(Scene& scene, std::span<const Camera> cameras, FrameOptions options) {
+uint64_t digestOfCuts(Scene& scene, std::span<const Camera> cameras, const FrameOptions& options) {
   Digest digest;
   if (!options.cut) return digest.value();
   const TimeStep step = scene.volume.step();
