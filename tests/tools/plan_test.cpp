@@ -1,4 +1,5 @@
-// Compares the output of `plan --partition boxes` with `plan` without it, and with itself.
+// `plan` compared with `render` of the same options and with itself.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "tests/tools/program.h"
@@ -67,6 +68,24 @@ TEST(Plan, theFirstSaysThatItMakesTheIndex) {
   const CommandResult never = runCommand("cd " + shellQuoted(program.folder.path().string()) +
                                          " && SLUICE_INDEX=off " SLUICE_PROGRAM " " + line);
   EXPECT_NE(never.output.find("and so will the next one"), std::string::npos) << never.output;
+}
+
+TEST(Plan, refusesWhatRenderRefuses) {
+  const Program program;
+  for (const char* options :
+       {"--iso 100 --pixel-error 2", "--iso 100 --level 1", "--iso 100 --max-bytes 1M",
+        "--iso 100 --keep-thin", "--iso 100 --mode mip", "--shadows --mode mip",
+        "--shadows --no-shade", "--occlusion-light --no-shade", "--depth-cueing 0.5 --mode mip",
+        "--jitter 1 --mode average", "--culling toc --iso 100", "--culling toc --mode mip",
+        "--culling toc --level 1", "--pages 1 --block 64 --algorithm conventional", "--channel 3",
+        "--time 9", "--crop 5,0,0,5,5,5"}) {
+    const std::string line = fmt::format("{} {}", kSmall, options);
+    const CommandResult plan = program.run("plan " + line);
+    EXPECT_NE(plan.status, 0) << line;
+    const CommandResult drawn = program.run("render --force -o a.png " + line);
+    EXPECT_EQ(plan.status, drawn.status) << line;
+    EXPECT_EQ(plan.output, drawn.output) << line;
+  }
 }
 
 }  // namespace

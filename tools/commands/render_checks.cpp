@@ -12,6 +12,7 @@
 #include "src/render/blocks/cut_rules.h"
 #include "src/view/state/view_path.h"
 #include "tools/commands/debug_views.h"
+#include "tools/options/picture_checks.h"
 #include "tools/options/shared_options.h"
 #include "tools/pages/report_file.h"
 #include "tools/scene/series.h"
@@ -31,6 +32,11 @@ std::vector<int64_t> framesToDraw(const Arguments& arguments) {
 
 bool isExr(const Arguments& arguments) {
   return pictureKind(arguments.output) == PictureKind::kExr;
+}
+
+PictureArguments pictureOf(const Arguments& arguments) {
+  return {arguments.look, arguments.frame, arguments.culling, arguments.levels,
+          arguments.resources};
 }
 
 // At most one a level, and one more that the time ends.
@@ -96,20 +102,7 @@ void checkOutput(const Arguments& arguments) {
     fail("--debug-view takes one frame, not {}", frameCount(arguments));
   if (arguments.times && arguments.frames > 1)
     fail("--frames {} takes one time step, not a range of --time", arguments.frames);
-  if (!arguments.look.surfaces.empty() && !traitsOf(arguments.frame.mode).has_colors)
-    fail("--iso needs --mode composite, since other modes show one value a pixel");
-  if (arguments.frame.lighting.looksAround() && !traitsOf(arguments.frame.mode).has_colors)
-    fail("--shadows and --occlusion-light need --mode composite, since other modes are not lit");
-  if (arguments.frame.lighting.looksAround() && arguments.look.no_shade)
-    fail("--shadows and --occlusion-light light the picture; leave out --no-shade");
-  if (!traitsOf(arguments.frame.mode).has_colors)
-    for (const auto& [value, option] : {std::pair(arguments.frame.depth_cueing, "--depth-cueing"),
-                                        std::pair(arguments.frame.jitter, "--jitter")})
-      if (value > 0) fail("{} needs --mode composite", option);
-  if (!arguments.look.surfaces.empty() && arguments.culling.culling != Culling::kNone)
-    fail("--culling knows nothing of surfaces; leave out --culling or --iso");
-  if (arguments.culling.culling != Culling::kNone && !traitsOf(arguments.frame.mode).hides)
-    fail("--culling needs --mode composite, since other modes hide nothing");
+  checkPicture(pictureOf(arguments));
   if (arguments.verify && arguments.culling.culling != Culling::kNone && frameCount(arguments) > 1)
     fail("--verify with --culling takes one frame, not {}", frameCount(arguments));
   if (arguments.debug_view && arguments.frame.occlusion == Occlusion::kOff &&
@@ -118,25 +111,10 @@ void checkOutput(const Arguments& arguments) {
 }
 
 std::optional<CutOptions> cutOf(const Arguments& arguments, Team* team) {
-  if (arguments.culling.culling != Culling::kNone) {
-    // Culling knows the blocks of the finest level alone.
-    refuseLevels(arguments.levels, "--culling draws the finest level alone");
-    return std::nullopt;
-  }
-  if (!arguments.look.surfaces.empty()) {
-    refuseLevels(arguments.levels, "--iso draws the finest level alone");
-    return std::nullopt;
-  }
-  LevelArguments levels = arguments.levels;
-  // Pictures that get better begin with any level, also with levels that are made for them. Other
-  // modes take levels that are there.
-  if (asksForRefinement(arguments) && !isSeries(arguments) && team == nullptr && !levels.level &&
-      traitsOf(arguments.frame.mode).has_colors && !arguments.look.labels)
-    levels.pixel_error = levels.pixel_error.value_or(CutOptions().pixel_error);
+  const bool refines = asksForRefinement(arguments) && !isSeries(arguments) && team == nullptr;
   const bool is_alone = frameCount(arguments) == 1 && !asksForRefinement(arguments);
   std::optional<CutOptions> cut =
-      cutOptions(levels, arguments.resources, arguments.look, arguments.frame,
-                 is_alone ? PictureRow::kOne : PictureRow::kMore);
+      cutOf(pictureOf(arguments), refines, is_alone ? PictureRow::kOne : PictureRow::kMore);
   // All ranks make the same cut, and each holds its share of the blocks.
   if (cut && team != nullptr)
     cut->most_held_bytes = static_cast<uint64_t>(team->ranks()) *

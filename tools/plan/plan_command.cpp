@@ -19,6 +19,7 @@
 #include "tools/command_line/progress_line.h"
 #include "tools/commands/commands.h"
 #include "tools/options/idle_options.h"
+#include "tools/options/picture_checks.h"
 #include "tools/options/shared_options.h"
 #include "tools/outputs/report.h"
 #include "tools/pages/report_file.h"
@@ -221,16 +222,18 @@ PlannedPicture openPlanned(const PlanArguments& arguments, FinestLevel finest,
   return planned;
 }
 
-// Whether the plan is of a picture with culling. Throws Error if it cannot be.
-bool checkCulling(const PlanArguments& arguments) {
-  const Culling culling = arguments.culling.culling;
-  if (culling == Culling::kNone) return false;
-  if (culling == Culling::kAuto)
+PictureArguments pictureOf(const PlanArguments& arguments) {
+  return {arguments.look, arguments.frame, arguments.culling, arguments.levels,
+          arguments.resources};
+}
+
+// The same refusals as of a picture that is drawn, and those of a plan. Throws Error.
+void check(const PlanArguments& arguments) {
+  checkPicture(pictureOf(arguments));
+  if (arguments.culling.culling == Culling::kAuto)
     fail("--culling auto measures pictures; plan takes none, pof, opof or toc");
-  if (!traitsOf(arguments.frame.mode).hides)
-    fail("--culling needs --mode composite, since other modes hide nothing");
-  refuseLevels(arguments.levels, "--culling plans the finest level alone");
-  return true;
+  if (arguments.frame.partition == Partition::kBoxes)
+    refuseLevels(arguments.levels, "--partition boxes plans the finest level alone");
 }
 
 // The arguments of each of so many channels, which share the memory as a scene's do.
@@ -318,13 +321,12 @@ int run(const PlanArguments& asked, const CLI::App& app) {
   PlanArguments arguments = asked;
   checkBasis(arguments.culling);
   Workers pool(arguments.resources.threads);
-  if (arguments.frame.partition == Partition::kBoxes)
-    refuseLevels(arguments.levels, "--partition boxes plans the finest level alone");
-  if (checkCulling(arguments))
-    arguments.look.whole_series = true;
-  else
-    arguments.frame.cut = cutOptions(arguments.levels, arguments.resources, arguments.look,
-                                     arguments.frame, PictureRow::kOne);
+  check(arguments);
+  arguments.look.whole_series = arguments.culling.culling != Culling::kNone;
+  // A picture with a time limit is a row of pictures that get better.
+  const bool refines = arguments.frame.time_limit_s && arguments.levels.level != 0;
+  arguments.frame.cut =
+      cutOf(pictureOf(arguments), refines, refines ? PictureRow::kMore : PictureRow::kOne);
   Outputs outputs(arguments.force);
   outputs.reads(arguments.volume.inputs);
   outputs.reads(arguments.volume.over);

@@ -1,0 +1,29 @@
+// What makes a picture impossible whatever the volume holds, and how it is cut into levels: one set
+// of rules for `render`, which draws pictures, and `plan`, which forecasts them.
+#pragma once
+
+#include <optional>
+
+#include "src/library/drawing/resources.h"
+#include "tools/options/arguments.h"
+
+namespace sluice {
+
+// The options of a picture.
+struct PictureArguments {
+  const LookArguments& look;
+  const FrameOptions& frame;
+  const CullingArguments& culling;
+  const LevelArguments& levels;
+  const ResourceArguments& resources;
+};
+
+// Throws Error for options that exclude each other.
+void checkPicture(const PictureArguments& picture);
+
+// The cut through levels of resolution that a picture is drawn from; nullopt: the finest level
+// alone. `refines`: the first of pictures that get better, each of which may begin with any level.
+// Throws Error for options of levels if the picture needs the finest one.
+std::optional<CutOptions> cutOf(const PictureArguments& picture, bool refines, PictureRow row);
+
+}  // namespace sluice
