@@ -13,17 +13,6 @@ namespace {
 // A cache of this many rows of blocks has clusters of whole rows, which a file stores together.
 constexpr int64_t kRowsOfACluster = 4;
 
-// u and v: whole rows if the cache has room for some, otherwise a square as nearly as powers of two
-// allow, never wider than the grid.
-Vec3i clusterBlocks(Vec3i grid, int64_t capacity_blocks) {
-  int64_t u = 1;
-  while (4 * u * u <= capacity_blocks) u *= 2;
-  u = std::min(u, grid.x);
-  if (capacity_blocks >= kRowsOfACluster * grid.x) u = grid.x;
-  const int64_t v = std::min(capacity_blocks / u, grid.y);
-  return {std::min(capacity_blocks / v, grid.x), v, 1};
-}
-
 VisitGrid gridOf(const LevelLayout& level) {
   return {level.width, level.blocks.grid};
 }
@@ -102,6 +91,17 @@ class OctreeClusters {
 };
 
 }  // namespace
+
+// u and v: whole rows if the cache has room for some, otherwise a square as nearly as powers of two
+// allow, never wider than the grid.
+Vec3i clusterBlocks(Vec3i grid, int64_t capacity_blocks) {
+  int64_t u = 1;
+  while (4 * u * u <= capacity_blocks) u *= 2;
+  u = std::min(u, grid.x);
+  if (capacity_blocks >= kRowsOfACluster * grid.x) u = grid.x;
+  const int64_t v = std::min(capacity_blocks / u, grid.y);
+  return {std::min(capacity_blocks / v, grid.x), v, 1};
+}
 
 void groupIntoClusters(TexturePlan& plan, int64_t capacity_blocks) {
   plan.block_grids = blockGrids(plan);

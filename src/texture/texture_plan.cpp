@@ -50,47 +50,14 @@ bool areOfSeveralLevels(const VisibleBlocks& visible) {
   return std::ranges::any_of(visible.blocks, isAbove);
 }
 
-// The most that a voxel of these blocks has.
-int numbersOfBlocks(const PyramidLayout& pyramid, const VisibleBlocks& visible) {
-  int most = 1;
-  for (const ObjectBlock& object : visible.blocks)
-    most = std::max(most, pyramid.of(object.name).numbers);
-  return most;
-}
-
+// Without their chunks and clusters.
 void addBlocks(TexturePlan& plan, const VisibleBlocks& visible, const PlanOptions& options) {
-  const PyramidLayout& pyramid = plan.pyramid;
-  const BlockLayout& layout = pyramid.finest();
-  const Algorithm algorithm = options.algorithm;
-  auto& blocks = plan.blocks;
-  if (algorithm == Algorithm::kTrimmed || algorithm == Algorithm::kMerged) {
-    reserveLarge(blocks, visible.blocks.size());
-    for (const ObjectBlock& object : visible.blocks)
-      blocks.push_back(trimmedBlock(pyramid, object));
-    return;
-  }
-  if (areOfSeveralLevels(visible)) {
-    for (ObjectBlock object : visible.blocks) {
-      if (algorithm == Algorithm::kConventional)
-        object.cells = intersect(pyramid.regionOf(object.name), options.crop);
-      blocks.push_back(wholeBlock(pyramid, object));
-    }
-    return;
-  }
-  if (layout.blockCount() > kMostBlocks)
-    failRequest("--algorithm {} loads every block, here {}; use trimmed or merged", name(algorithm),
-                layout.blockCount());
-  reserveLarge(blocks, static_cast<size_t>(layout.blockCount()));
-  size_t next = 0;
-  for (int64_t block = 0; block < layout.blockCount(); ++block) {
-    ObjectBlock object;
-    object.name = {.time = options.time, .block = block};
-    if (next < visible.blocks.size() && visible.blocks[next].name.block == block)
-      object = visible.blocks[next++];
-    if (algorithm == Algorithm::kConventional)
-      object.cells = intersect(layout.ownedCells(layout.indexOf(block)), options.crop);
-    blocks.push_back(wholeBlock(pyramid, object));
-  }
+  const int64_t count = loadsEveryBlock(visible, options.algorithm)
+                            ? plan.layout().blockCount()
+                            : static_cast<int64_t>(visible.blocks.size());
+  reserveLarge(plan.blocks, static_cast<size_t>(std::min(count, kMostBlocks)));
+  visitTextureBlocks(plan.pyramid, visible, options,
+                     [&](const TextureBlock& block) { plan.blocks.push_back(block); });
 }
 
 // The bits of the numbers by turns, those of z first: neighbours share the leading ones.
@@ -276,17 +243,61 @@ LoadBytes TexturePlan::loadBytes(const Chunk& chunk) const {
   return load;
 }
 
-TexturePlan planTextures(const PyramidLayout& pyramid, const VisibleBlocks& visible,
-                         const PageGeometry& page, const PlanOptions& options) {
+bool loadsEveryBlock(const VisibleBlocks& visible, Algorithm algorithm) {
+  return loadsWholeBlocks(algorithm) && !areOfSeveralLevels(visible);
+}
+
+void visitTextureBlocks(const PyramidLayout& pyramid, const VisibleBlocks& visible,
+                        const PlanOptions& options,
+                        const std::function<void(const TextureBlock&)>& visit) {
+  const Algorithm algorithm = options.algorithm;
+  if (!loadsWholeBlocks(algorithm)) {
+    for (const ObjectBlock& object : visible.blocks) visit(trimmedBlock(pyramid, object));
+    return;
+  }
+  if (!loadsEveryBlock(visible, algorithm)) {
+    for (ObjectBlock object : visible.blocks) {
+      if (algorithm == Algorithm::kConventional)
+        object.cells = intersect(pyramid.regionOf(object.name), options.crop);
+      visit(wholeBlock(pyramid, object));
+    }
+    return;
+  }
+  const BlockLayout& layout = pyramid.finest();
+  if (layout.blockCount() > kMostBlocks)
+    failRequest("--algorithm {} loads every block, here {}; use trimmed or merged", name(algorithm),
+                layout.blockCount());
+  size_t next = 0;
+  for (int64_t block = 0; block < layout.blockCount(); ++block) {
+    ObjectBlock object;
+    object.name = {.time = options.time, .block = block};
+    if (next < visible.blocks.size() && visible.blocks[next].name.block == block)
+      object = visible.blocks[next++];
+    if (algorithm == Algorithm::kConventional)
+      object.cells = intersect(layout.ownedCells(layout.indexOf(block)), options.crop);
+    visit(wholeBlock(pyramid, object));
+  }
+}
+
+int64_t clusterCapacity(const PyramidLayout& pyramid, const VisibleBlocks& visible,
+                        const PageGeometry& page) {
   const int64_t side = sideOf(pyramid);
-  const int64_t block_pages =
-      numbersOfBlocks(pyramid, visible) * page.pagesOf(Vec3i{side, side, side});
+  int numbers = 1;  // the most that a voxel of these blocks has
+  for (const ObjectBlock& object : visible.blocks)
+    numbers = std::max(numbers, pyramid.of(object.name).numbers);
+  const int64_t block_pages = numbers * page.pagesOf(Vec3i{side, side, side});
   const int64_t capacity_blocks = page.pages / block_pages;
   if (capacity_blocks < 1)
     failMemory(
         "a block of {0} x {0} x {0} voxels takes {1} pages and the texture cache has {2}; give "
         "--pages {1} or a smaller --block",
         side, block_pages, page.pages);
+  return capacity_blocks;
+}
+
+TexturePlan planTextures(const PyramidLayout& pyramid, const VisibleBlocks& visible,
+                         const PageGeometry& page, const PlanOptions& options) {
+  const int64_t capacity_blocks = clusterCapacity(pyramid, visible, page);
   TexturePlan plan;
   plan.pyramid = pyramid;
   plan.page = page;

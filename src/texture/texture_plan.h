@@ -9,6 +9,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string_view>
@@ -108,9 +109,28 @@ struct PlanOptions {
   Box3 crop;         // cells that may show
 };
 
-// Blocks of several levels are loaded as far as they are visible, also by the algorithms that load
-// all blocks of a volume of one level. Throws Error when the texture cache has fewer pages than one
-// block. Requires: the regions of the visible blocks (pyramid.h) are disjoint.
+// Whether an algorithm loads blocks whole, and not trimmed.
+constexpr bool loadsWholeBlocks(Algorithm algorithm) {
+  return algorithm == Algorithm::kConventional || algorithm == Algorithm::kClipped;
+}
+// Whether a plan loads all blocks of the finest level, visible or not: blocks of several levels are
+// loaded as far as they are visible, by all algorithms.
+bool loadsEveryBlock(const VisibleBlocks& visible, Algorithm algorithm);
+
+// Calls `visit` with each texture block of a plan, in the plan's order, before it has a chunk and a
+// cluster. Holds no list of them. Throws Error when all blocks are loaded and are more than a plan
+// can list.
+void visitTextureBlocks(const PyramidLayout& pyramid, const VisibleBlocks& visible,
+                        const PlanOptions& options,
+                        const std::function<void(const TextureBlock&)>& visit);
+
+// The most blocks that a cluster has: as many as fit the texture cache. Throws Error when that has
+// fewer pages than one block.
+int64_t clusterCapacity(const PyramidLayout& pyramid, const VisibleBlocks& visible,
+                        const PageGeometry& page);
+
+// Throws what visitTextureBlocks() and clusterCapacity() do. Requires: the regions of the visible
+// blocks (pyramid.h) are disjoint.
 TexturePlan planTextures(const PyramidLayout& pyramid, const VisibleBlocks& visible,
                          const PageGeometry& page, const PlanOptions& options);
 

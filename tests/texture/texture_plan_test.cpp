@@ -7,6 +7,7 @@
 #include <set>
 
 #include "src/base/error.h"
+#include "src/texture/plan_totals.h"
 #include "tests/texture/random_plan.h"
 
 namespace sluice {
@@ -252,6 +253,38 @@ TEST(TexturePlan, causesOfABytesMovedAddUp) {
       expected += static_cast<uint64_t>(volume(object.cells.size() + Vec3i{1, 1, 1})) * 2;
     EXPECT_EQ(needed, expected);
   }
+}
+
+TEST(TexturePlan, visitsItsBlocksAndTotalsThemWithoutAList) {
+  std::mt19937_64 random(3);
+  const BlockLayout layout = blockLayout({150, 90, 60}, 16, 1);
+  const EyePosition eye{.parallel = true, .index = {1, 2, 3}};
+  PageGeometry page = kSparse;
+  for (const int64_t pages : {1, 5, 40})
+    for (const Box3& crop : {allCells(layout), Box3{{20, 0, 31}, {21, 89, 59}}, Box3{}})
+      for (const Algorithm algorithm : kAlgorithms) {
+        page.pages = pages;
+        PlanOptions options = planOptions(layout, algorithm);
+        options.crop = crop;
+        const VisibleBlocks visible = randomVisibleBlocks(layout, 0.3, random);
+        const TexturePlan plan = planTextures(layout, visible, page, options);
+        std::vector<BlockName> visited;
+        visitTextureBlocks(layout, visible, options,
+                           [&](const TextureBlock& block) { visited.push_back(block.name); });
+        ASSERT_EQ(visited.size(), plan.blocks.size());
+        for (const BlockPosition i : plan.blocks.indices())
+          EXPECT_EQ(visited[static_cast<size_t>(i.value())], plan.blocks[i].name);
+        EXPECT_EQ(loadsEveryBlock(visible, algorithm), loadsWholeBlocks(algorithm));
+        if (!loadsEveryBlock(visible, algorithm)) continue;
+        const PlanTotals listed = totalsOf(plan, eye);
+        const PlanTotals totals = totalsOfEveryBlock(layout, visible, page, options);
+        EXPECT_EQ(totals.chunks, listed.chunks);
+        EXPECT_EQ(totals.clusters, listed.clusters);
+        EXPECT_EQ(totals.cluster_blocks, listed.cluster_blocks);
+        EXPECT_EQ(totals.pages, listed.pages);
+        EXPECT_EQ(totals.bytes, listed.bytes);
+        EXPECT_EQ(totals.binds, listed.binds);
+      }
 }
 
 TEST(TexturePlan, isAFunctionOfItsArguments) {
