@@ -1,6 +1,7 @@
 #include "src/classify/blocks/classification.h"
 
 #include <algorithm>
+#include <atomic>
 #include <unordered_map>
 
 #include "src/base/memory/large_pages.h"
@@ -66,6 +67,27 @@ VisibleBlocks classify(const SliceRanges& ranges, const OpacityTable& table, con
   if (result.blocks.size() > visible) std::ranges::sort(result.blocks, {}, &ObjectBlock::name);
   count(ranges.layout, result);
   return result;
+}
+
+int64_t countVisible(const SliceRanges& ranges, const OpacityTable& table, const Box3& crop,
+                     WorkerPool& pool) {
+  std::atomic<int64_t> visible{0};
+  visitDeviceType(ranges.map.type, [&](auto tag) {
+    const Classifier<decltype(tag)> classifier(ranges, table, crop);
+    classifyInTasks(ranges, pool, [&](size_t /*task*/, size_t from, size_t to) {
+      int64_t of_task = 0;
+      for (size_t held = from; held < to; ++held) {
+        if (!classifier.mayShow(held)) continue;
+        const Box3 owned = ownedCells(ranges.layout, ranges.blocks[held]);
+        of_task += classifier.shownCells(held, owned).empty() ? 0 : 1;
+      }
+      visible += of_task;
+    });
+  });
+  visitWhole(ranges, table, crop, [&](int64_t block) {
+    visible += intersect(ownedCells(ranges.layout, block), crop).empty() ? 0 : 1;
+  });
+  return visible;
 }
 
 VisibleBlocks classifyAround(const SliceRanges& ranges, const OpacityTable& table, const Box3& crop,

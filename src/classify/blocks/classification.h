@@ -49,7 +49,12 @@ struct VisibleBlocks {
 VisibleBlocks classify(const SliceRanges& ranges, const OpacityTable& table, const Box3& crop,
                        WorkerPool& pool, int64_t time = 0);
 
-// The same for pictures whose samples show values up to a voxel from them on each axis
+// How many blocks classify() lists, without the list, which may be larger than what memory there
+// is.
+int64_t countVisible(const SliceRanges& ranges, const OpacityTable& table, const Box3& crop,
+                     WorkerPool& pool);
+
+// classify() for pictures whose samples show values up to a voxel from them on each axis
 // (FrameSetup::integrates): object boxes take in every cell within a voxel of one that may show
 // something, in their own block or in another.
 VisibleBlocks classifyAround(const SliceRanges& ranges, const OpacityTable& table, const Box3& crop,

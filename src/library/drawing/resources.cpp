@@ -112,8 +112,8 @@ uint64_t planBytes(const IndexedVolume& volume, const TransferFunction& transfer
   if (!is_whole && !volume.stand_in) {  // of whose blocks nothing is known
     const SliceRanges& ranges = volume.index->ranges;
     const Look look = makeLook(volume.step(), transfer, frame.mode);
-    blocks = classify(ranges, look.table, cropCells(frame, ranges.layout.dims), pool, volume.time)
-                 .blocks.size();
+    blocks = static_cast<uint64_t>(
+        countVisible(ranges, look.table, cropCells(frame, ranges.layout.dims), pool));
     // Another step may show more.
     if (volume.source->layout().time_steps > 1) blocks = std::min(2 * all, 3 * blocks);
   }

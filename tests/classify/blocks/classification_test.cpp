@@ -107,6 +107,7 @@ VisibleBlocks classified(const SliceRanges& ranges, const TransferFunction& tran
   const OpacityTable table(transfer, ranges.map, ranges.device_range);
   const Box3 cells = crop.value_or(allCells(ranges.layout));
   const VisibleBlocks result = classify(ranges, table, cells, pool);
+  EXPECT_EQ(countVisible(ranges, table, cells, pool), static_cast<int64_t>(result.blocks.size()));
   constexpr int64_t kMostCompared = 100'000;
   if (ranges.layout.blockCount() <= kMostCompared)
     expectSameBoxes(result, ObjectBoxes(std::make_shared<const SliceRanges>(ranges), table, cells),
