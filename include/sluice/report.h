@@ -64,7 +64,7 @@ struct PicturePlan {
   std::array<Algorithm, 4> algorithms;
   uint64_t clusters = 0;
   // A first picture reads the blocks that show something: their number, and the bytes of their
-  // voxels.
+  // voxels. If the memory does not hold all of them, some are read again.
   int64_t read_blocks = 0;
   uint64_t read_voxel_bytes = 0;
 

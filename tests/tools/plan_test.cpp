@@ -1,11 +1,16 @@
 // `plan` compared with `render` of the same options and with itself.
 #include <fmt/format.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include "tests/tools/program.h"
 
 namespace sluice {
 namespace {
+
+using testing::HasSubstr;
+using testing::Not;
 
 constexpr const char* kPlan = "plan synth:phantom,dims=60x56x50 --threshold 60 --block 32";
 
@@ -68,6 +73,95 @@ TEST(Plan, theFirstSaysThatItMakesTheIndex) {
   const CommandResult never = runCommand("cd " + shellQuoted(program.folder.path().string()) +
                                          " && SLUICE_INDEX=off " SLUICE_PROGRAM " " + line);
   EXPECT_NE(never.output.find("and so will the next one"), std::string::npos) << never.output;
+}
+
+// Hundreds of thousands of blocks, most of which are empty.
+constexpr const char* kManyBlocks = "synth:noise,dims=80x80x80,type=u16 --block 4 -j 1";
+
+TEST(Plan, keepsWithinTheMemory) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "a sanitizer's own memory";
+#endif
+  const Program program;
+  const auto plan = program.json(fmt::format("plan {} --memory 96M", kManyBlocks));
+  EXPECT_GT(plan["algorithms"]["conventional"]["chunks"].get<int64_t>(), 400'000);
+  rusage used{};
+  ASSERT_EQ(getrusage(RUSAGE_CHILDREN, &used), 0);
+  // The budget, and the program with its libraries. A plan of all blocks takes some 300 MiB.
+  EXPECT_LE(used.ru_maxrss >> 10, 96 + 64);
+}
+
+TEST(Plan, refusesAMemoryThatHasNoRoomForItAsRenderDoes) {
+  const Program program;
+  for (const char* algorithm : {"merged", "conventional"}) {
+    const std::string options =
+        fmt::format("{} --memory 40M --device cpu --algorithm {}", kManyBlocks, algorithm);
+    const CommandResult plan = program.run("plan " + options);
+    EXPECT_EQ(plan.status, 1);
+    EXPECT_THAT(plan.output, HasSubstr("of buffers are the least that works"));
+    EXPECT_EQ(plan.output, program.run("render -o a.png " + options).output);
+  }
+  const std::string two = std::string(kManyBlocks) + " --memory 60M --device cpu --over " +
+                          std::string(kManyBlocks).substr(0, std::string(kManyBlocks).find(' '));
+  const CommandResult plan = program.run("plan " + two);
+  EXPECT_THAT(plan.output, HasSubstr("2 channels share the memory evenly"));
+  EXPECT_EQ(plan.output, program.run("render -o a.png " + two).output);
+}
+
+TEST(Plan, countsTheReadsOfEachAlgorithm) {
+  const Program program;
+  for (const char* crop : {"", " --crop 2,3,4,30,20,9"})
+    for (const char* algorithm : {"conventional", "clipped", "trimmed", "merged"}) {
+      const std::string options = fmt::format(
+          "synth:shells,dims=60x56x50 --threshold 90 --block 16 --algorithm {}{}", algorithm, crop);
+      const auto plan = program.json("plan " + options);
+      const auto drawn = program.json("render --force -o a.png " + options);
+      EXPECT_EQ(plan["read"]["blocks"], drawn["levels"]["volume_buffer"]["loads"]) << options;
+      EXPECT_EQ(plan["read"]["voxel_bytes"], drawn["frames"][0]["decoded_bytes"]) << options;
+      EXPECT_EQ(plan["read"]["most_voxel_bytes"], plan["read"]["voxel_bytes"]) << options;
+    }
+}
+
+TEST(Plan, boundsTheReadsThatALittleMemoryRepeats) {
+  const Program program;
+  writeFile(program.folder / "v_96x96x96_uint16.raw", std::string(size_t{96} * 96 * 96 * 2, 'v'));
+  // The memory beside the plan of 17576 blocks holds few of them, and the picture comes in strips.
+  for (const char* view : {"", " --azimuth 282 --projection perspective"}) {
+    const std::string options = fmt::format(
+        "v_96x96x96_uint16.raw --block 8 -j 1 --memory 9M --pages 1 --mode mip "
+        "--size 200 --device cpu{}",
+        view);
+    const auto plan = program.json("plan " + options);
+    const auto drawn = program.json("render --force -o a.png " + options);
+    const auto& read = plan["read"];
+    const auto decoded = drawn["frames"][0]["decoded_bytes"].get<uint64_t>();
+    EXPECT_GT(decoded, read["voxel_bytes"].get<uint64_t>());
+    EXPECT_LE(decoded, read["most_voxel_bytes"].get<uint64_t>());
+    EXPECT_LE(drawn["levels"]["volume_buffer"]["loads"], read["most_blocks"]);
+    EXPECT_THAT(program.run("plan " + options).output,
+                HasSubstr(fmt::format("reads blocks up to {} times in all",
+                                      read["most_blocks"].get<int64_t>())));
+  }
+  EXPECT_THAT(program.run("plan v_96x96x96_uint16.raw --block 8").output, Not(HasSubstr("up to")));
+}
+
+TEST(Plan, namesTheLeastMemoryThatRenderWorksWith) {
+  const Program program;
+  for (const char* options :
+       {"--device cpu --pages 64", "--device cpu --size 500 --block 32 --azimuth 101",
+        "--device cpu --pages 64 --algorithm conventional", "--pages 64 --partition boxes",
+        "--device cpu --pages 64 --occlusion clip", "--gl osmesa --pages 64"}) {
+    const std::string line = fmt::format("synth:shells,dims=90x80x70 --threshold 90 {}", options);
+    const auto tight = program.json(fmt::format("plan {} --memory 2M", line));
+    EXPECT_FALSE(tight["memory"]["fits"].get<bool>()) << line;
+    const auto least = tight["memory"]["least_bytes"].get<uint64_t>();
+    for (const uint64_t memory : {least, least - 1}) {
+      const bool fits = memory == least;
+      const std::string with = fmt::format("{} --memory {}", line, memory);
+      EXPECT_EQ(program.json("plan " + with)["memory"]["fits"], fits) << with;
+      EXPECT_EQ(program.run("render --force -o a.png " + with).status, fits ? 0 : 1) << with;
+    }
+  }
 }
 
 TEST(Plan, refusesWhatRenderRefuses) {

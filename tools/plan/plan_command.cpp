@@ -11,6 +11,7 @@
 #include "src/base/error.h"
 #include "src/base/threads/clock.h"
 #include "src/base/values/bytes.h"
+#include "src/library/drawing/device_choice.h"
 #include "src/library/drawing/picture_cost.h"
 #include "src/library/drawing/shared_world.h"
 #include "src/library/opening/thick_source.h"
@@ -120,7 +121,9 @@ struct PlannedSum {
 
 PlannedSum sumOf(const std::vector<PlannedChannel>& channels) {
   PlannedSum sum;
+  uint64_t least_bytes = 0;  // of one channel; all get the same share
   for (const PlannedChannel& channel : channels) {
+    least_bytes = std::max(least_bytes, channel.forecast.least_bytes);
     sum.white += channel.shown.blocks->white;
     sum.grey += channel.shown.blocks->grey;
     sum.black += channel.shown.blocks->black;
@@ -134,6 +137,8 @@ PlannedSum sumOf(const std::vector<PlannedChannel>& channels) {
     for (size_t i = 0; i < sum.costs.size(); ++i) {
       AlgorithmCost& cost = sum.costs[i];
       const AlgorithmCost& more = channel.costs[i];
+      cost.shared_blocks += more.shared_blocks;
+      cost.shared_voxel_bytes += more.shared_voxel_bytes;
       cost.chunks += more.chunks;
       cost.clusters += more.clusters;
       cost.pages += more.pages;
@@ -142,6 +147,7 @@ PlannedSum sumOf(const std::vector<PlannedChannel>& channels) {
       cost.seconds += more.seconds;
     }
   }
+  sum.forecast.least_bytes = least_bytes * channels.size();
   return sum;
 }
 
@@ -244,12 +250,10 @@ PlanArguments shareOf(PlanArguments arguments, size_t channels) {
   return arguments;
 }
 
-// The blocks that a channel shows, and its pages.
-void shareOut(const PlanArguments& arguments, PlannedChannel& channel, PlannedCulling* culling,
-              WorkerPool& pool) {
+// The pages of a channel, and what is held in addition to the levels.
+void shareOut(const PlanArguments& arguments, PlannedChannel& channel,
+              const PlannedCulling* culling, WorkerPool& pool) {
   IndexedVolume& volume = channel.volume;
-  channel.shown = plannedBlocks(volume, volume.step(), channel.transfer, arguments.frame,
-                                volume.page, culling != nullptr ? &culling->blocks : nullptr, pool);
   channel.others_bytes = othersBytes(volume, channel.transfer, arguments.frame, pool) +
                          (culling != nullptr ? culling->most_bytes : 0);
   volume.page.pages =
@@ -258,15 +262,19 @@ void shareOut(const PlanArguments& arguments, PlannedChannel& channel, PlannedCu
           .pages;
 }
 
-void planChannel(const PlanArguments& arguments, PlannedChannel& channel, WorkerPool& pool) {
+// Requires: shareOut().
+void planChannel(const PlanArguments& arguments, PlannedChannel& channel, PlannedCulling* culling,
+                 TexelPlace texels, WorkerPool& pool) {
   const IndexedVolume& volume = channel.volume;
+  channel.shown = plannedBlocks(volume, volume.step(), channel.transfer, arguments.frame,
+                                volume.page, culling != nullptr ? &culling->blocks : nullptr, pool);
   channel.costs = algorithmCosts(volume, channel.shown, arguments.frame, volume.page, pool);
   if (arguments.frame.partition == Partition::kBoxes)
     channel.boxes = planBoxes({arguments.frame, arguments.resources, arguments.volume.time}, volume,
                               channel.shown, pool);
   const AlgorithmCost& chosen = channel.costs[static_cast<size_t>(arguments.frame.algorithm)];
-  channel.forecast = forecastOf(volume, *channel.shown.blocks, volume.page, chosen.bytes,
-                                channel.others_bytes, arguments.frame, arguments.resources);
+  channel.forecast = forecastOf({volume, channel.shown, volume.page, chosen, channel.others_bytes,
+                                 arguments.frame, arguments.resources, texels});
 }
 
 // Blended channels have clusters of the same blocks, see blended_frame.h.
@@ -357,6 +365,8 @@ int run(const PlanArguments& asked, const CLI::App& app) {
   const std::unique_ptr<PlannedCulling> culling =
       plannedCulling(arguments, first.volume, first.transfer, pool);
   const PlanArguments share = shareOf(arguments, channels.size());
+  // A device that draws decides how much memory is the least that works.
+  const TexelPlace texels = makeDevice(arguments.resources.device, pool)->limits().texels;
   const auto argumentsOf = [&](const PlannedChannel& channel) {
     PlanArguments own = share;
     own.frame = frameOn(channel.volume.source->layout(), first.volume.source->layout(), own.frame);
@@ -366,7 +376,16 @@ int run(const PlanArguments& asked, const CLI::App& app) {
   for (PlannedChannel& channel : channels)
     shareOut(argumentsOf(channel), channel, culling.get(), pool);
   evenOutBlended(arguments.look, channels);
-  for (PlannedChannel& channel : channels) planChannel(argumentsOf(channel), channel, pool);
+  // Before a block is listed.
+  try {
+    for (const PlannedChannel& channel : channels)
+      requireRoomToPlan(channel.volume, channel.others_bytes, argumentsOf(channel).frame,
+                        share.resources, texels);
+  } catch (const Error& error) {
+    failOfShare(error, channels.size());
+  }
+  for (PlannedChannel& channel : channels)
+    planChannel(argumentsOf(channel), channel, culling.get(), texels, pool);
   const Algorithm algorithm = arguments.frame.algorithm;
   nlohmann::json report = reportOf(channels, algorithm, app);
   addStoreJson(report, sumOf(channels).forecast, pass);

@@ -8,16 +8,21 @@ namespace sluice {
 void add(Forecast& sum, const Forecast& more) {
   sum.blocks += more.blocks;
   sum.voxel_bytes += more.voxel_bytes;
+  sum.most_blocks += more.most_blocks;
+  sum.most_voxel_bytes += more.most_voxel_bytes;
   if (more.stored) sum.stored = sum.stored.value_or(StoredReads()) += *more.stored;
   sum.budget_bytes += more.budget_bytes;
-  sum.least_bytes += more.least_bytes;
+  sum.fits_budget = sum.fits_budget && more.fits_budget;
   sum.buffer_bytes += more.buffer_bytes;
   sum.index_bytes += more.index_bytes;
   sum.picture_bytes += more.picture_bytes;
 }
 
 nlohmann::json readJson(const Forecast& forecast) {
-  return {{"blocks", forecast.blocks}, {"voxel_bytes", forecast.voxel_bytes}};
+  return {{"blocks", forecast.blocks},
+          {"voxel_bytes", forecast.voxel_bytes},
+          {"most_blocks", forecast.most_blocks},
+          {"most_voxel_bytes", forecast.most_voxel_bytes}};
 }
 
 nlohmann::json memoryJson(const Forecast& forecast) {
@@ -38,7 +43,10 @@ void printForecast(const Forecast& forecast) {
       formatBytes(forecast.peakBytes()), formatBytes(forecast.buffer_bytes),
       formatBytes(forecast.budget_bytes),
       formatBytes(forecast.peakBytes() - forecast.buffer_bytes));
-  if (forecast.least_bytes > forecast.budget_bytes) {
+  if (forecast.most_blocks > forecast.blocks)
+    say("reads blocks up to {} times in all, {} of voxels, since --memory does not hold them all\n",
+        forecast.most_blocks, formatBytes(forecast.most_voxel_bytes));
+  if (!forecast.fits_budget) {
     say("does not fit --memory: {} is the least that works, or fewer --pages\n",
         formatBytes(forecast.least_bytes));
   } else {

@@ -7,7 +7,8 @@
 
 namespace sluice {
 
-// Adds the cost of another channel of the same picture, which has its own share of the memory.
+// Adds the cost of another channel of the same picture, which has its own share of the memory. The
+// least memory is left to the caller: a sum would be too little for channels that differ.
 void add(Forecast& sum, const Forecast& more);
 
 // `read` and `memory` of plan's JSON.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "src/base/error.h"
@@ -12,7 +13,6 @@
 #include "src/library/drawing/resources.h"
 #include "src/render/camera/frame_setup.h"
 #include "src/render/session/budgets.h"
-#include "src/texture/frame_trace.h"
 
 namespace sluice {
 namespace {
@@ -20,58 +20,118 @@ namespace {
 // Software GL with its threads, shaders and libraries, OpenVDB's too: measured 60 to 120 MB.
 constexpr uint64_t kProgramBytes = uint64_t{120} << 20;
 
+uint64_t decodedBytes(const PyramidLayout& layout, VoxelType type, const BlockName& block) {
+  return static_cast<uint64_t>(layout.storedVoxels(block).count()) *
+         storedBytesPerVoxel(type, layout.of(block).numbers);
+}
+
+PlanOptions planOptions(const PlannedBlocks& planned, const FrameOptions& frame,
+                        Algorithm algorithm) {
+  return {algorithm, frame.merge_order, planned.step.time,
+          cropCells(frame, planned.step.ranges->layout.dims)};
+}
+
+void addSharedBlocks(const TexturePlan& textures, VoxelType type, AlgorithmCost& cost) {
+  for (const Cluster& cluster : textures.clusters)
+    for (const ChunkPosition chunk : cluster.chunks)
+      for (const BlockPosition at : textures.chunks[chunk].blocks) {
+        const TextureBlock& block = textures.blocks[at];
+        // A block's own cluster reads it first.
+        if (&textures.clusters[block.cluster] == &cluster) continue;
+        ++cost.shared_blocks;
+        cost.shared_voxel_bytes += decodedBytes(textures.pyramid, type, block.name);
+      }
+}
+
 AlgorithmCost costOf(const IndexedVolume& volume, const PlannedBlocks& planned, FrameOptions frame,
                      const PageGeometry& page, Algorithm algorithm, WorkerPool& pool) {
+  AlgorithmCost cost;
+  Stopwatch watch;
+  if (loadsEveryBlock(*planned.blocks, algorithm)) {
+    static_cast<PlanTotals&>(cost) = totalsOfEveryBlock(
+        planned.step.layout(), *planned.blocks, page, planOptions(planned, frame, algorithm));
+    cost.seconds = watch.lap();
+    return cost;
+  }
   ChunkNames names;
   Planner planner(page, pool, names);
   frame.algorithm = algorithm;
-  Stopwatch watch;
   const FramePlanPtr plan = planner.plan(planned.step, planned.blocks, frame);
-  const double seconds = watch.lap();
-  const TexturePlan& textures = plan->textures;
-  return {textures.chunks.size(),
-          textures.clusters.size(),
-          textures.cluster_blocks,
-          plan->pages,
-          bindCount(textures, eyePosition(planned.view, volume.source->layout())),
-          textures.bytes(),
-          seconds};
+  cost.seconds = watch.lap();
+  const VolumeLayout& layout = volume.source->layout();
+  static_cast<PlanTotals&>(cost) = totalsOf(plan->textures, eyePosition(planned.view, layout));
+  addSharedBlocks(plan->textures, layout.type, cost);
+  return cost;
 }
 
-// The memory in which decoded chunks stay, as a session shares it out on the CPU: without those
-// that its threads decode and copy just now, which have no fixed order.
-uint64_t heldChunkBytes(const VolumeSource& source, const PageGeometry& page,
-                        const BufferNeeds& needs, const MachineOptions& machine) {
+// The budgets of the session that draws; nullopt: the picture does not fit.
+std::optional<Budgets> budgetsOf(const ForecastInputs& inputs, const BufferNeeds& needs) {
+  const MachineOptions& machine = inputs.machine;
   const int threads = machine.threads > 0 ? machine.threads : processorCount();
   try {
-    const Budgets budgets = shareMemory(memoryBudget(machine), page, TexelPlace::kBorrowed, needs,
-                                        readsAtOnce(source, threads));
-    // A thread has three chunks under way, one of which stays afterwards.
-    const uint64_t under_way =
-        static_cast<uint64_t>(budgets.readers + 1) * needs.source_thread_bytes / 3 * 2;
-    return budgets.source - std::min(budgets.source, under_way);
-  } catch (const Error&) {  // the picture does not fit, which the forecast tells
-    return 0;
+    return shareMemory(memoryBudget(machine), inputs.page, inputs.texels, needs,
+                       readsAtOnce(*inputs.volume.source, threads));
+  } catch (const Error&) {
+    return std::nullopt;
   }
 }
 
-// The boxes that the frame reads, in the order of the blocks' numbers, which is that of the visit
-// or its reverse.
-std::vector<LevelBox> boxesOf(const IndexedVolume& volume, const VisibleBlocks& shown) {
-  const TimeStep step = volume.step();
+// The memory in which decoded chunks stay: without those that the threads decode and copy just now,
+// which have no fixed order.
+uint64_t heldChunkBytes(const std::optional<Budgets>& budgets, const BufferNeeds& needs) {
+  if (!budgets) return 0;
+  // A thread has three chunks under way, one of which stays afterwards.
+  const uint64_t under_way =
+      static_cast<uint64_t>(budgets->readers + 1) * needs.source_thread_bytes / 3 * 2;
+  return budgets->source - std::min(budgets->source, under_way);
+}
+
+// The reads of the blocks that the algorithm loads. The boxes in a store of chunks are in the order
+// of the blocks' numbers, which is that of the visit or its reverse.
+void addReads(const ForecastInputs& inputs, uint64_t held_chunk_bytes, Forecast& forecast) {
+  const PlannedBlocks& planned = inputs.planned;
+  VolumeSource& source = *inputs.volume.source;
+  const TimeStep step = inputs.volume.step();
   const PyramidLayout layout = step.layout();
+  const VoxelType type = source.layout().type;
+  const bool is_store = dynamic_cast<StoredSource*>(&source) != nullptr;
   std::vector<LevelBox> boxes;
-  for (const ObjectBlock& block : shown.blocks) {
-    const Box3 voxels = layout.storedVoxels(block.name);
-    if (block.name.level == 0) {
+  const auto add = [&](const TextureBlock& block) {
+    const BlockName& name = block.name;
+    ++forecast.blocks;
+    forecast.voxel_bytes += decodedBytes(layout, type, name);
+    if (!is_store) return;
+    const Box3 voxels = layout.storedVoxels(name);
+    if (name.level == 0) {
       boxes.push_back({nullptr, voxels});
-      continue;
+      return;
     }
-    const CoarserStep& level = step.coarser[static_cast<size_t>(block.name.level) - 1];
+    const CoarserStep& level = step.coarser[static_cast<size_t>(name.level) - 1];
     boxes.push_back({level.source, voxels});
     if (level.spreads != nullptr) boxes.push_back({level.spreads, voxels});
-  }
-  return boxes;
+  };
+  visitTextureBlocks(layout, *planned.blocks,
+                     planOptions(planned, inputs.frame, inputs.frame.algorithm), add);
+  if (is_store) forecast.stored = storedReads(source, inputs.volume.time, boxes, held_chunk_bytes);
+}
+
+// Blocks are read once if level 2 holds them all, and as often as they are wanted otherwise.
+void addMostReads(const ForecastInputs& inputs, const std::optional<Budgets>& budgets,
+                  size_t strips, Forecast& forecast) {
+  forecast.most_blocks = forecast.blocks;
+  forecast.most_voxel_bytes = forecast.voxel_bytes;
+  if (budgets && budgets->volume_buffer >= forecast.voxel_bytes) return;
+  forecast.most_blocks += inputs.cost.shared_blocks;
+  forecast.most_voxel_bytes += inputs.cost.shared_voxel_bytes;
+  forecast.most_blocks *= static_cast<int64_t>(strips);
+  forecast.most_voxel_bytes *= strips;
+}
+
+// The needs of a session that holds `beside_bytes` in addition to the levels.
+BufferNeeds sessionNeeds(const IndexedVolume& volume, Partition partition, uint64_t beside_bytes) {
+  BufferNeeds needs = bufferNeeds(*volume.source, volume.layout, partition, beside_bytes);
+  needs.numbers = volume.numbers();
+  return needs;
 }
 
 }  // namespace
@@ -107,48 +167,47 @@ PlannedBlocks plannedBlocks(const IndexedVolume& volume, const TimeStep& step,
 AlgorithmCosts algorithmCosts(const IndexedVolume& volume, const PlannedBlocks& planned,
                               const FrameOptions& frame, const PageGeometry& page,
                               WorkerPool& pool) {
-  // The one asked for first, since merging takes longest.
-  std::array<Algorithm, kAlgorithms.size()> order = kAlgorithms;
-  std::partition(order.begin(), order.end(),
-                 [&](Algorithm algorithm) { return algorithm == frame.algorithm; });
+  // One after the other, since all plans at once would take several times the memory of one.
   AlgorithmCosts costs;
-  pool.parallelFor(order.size(), [&](int64_t i) {
-    const Algorithm algorithm = order[static_cast<size_t>(i)];
+  for (const Algorithm algorithm : kAlgorithms)
     costs[static_cast<size_t>(algorithm)] = costOf(volume, planned, frame, page, algorithm, pool);
-  });
   return costs;
 }
 
-Forecast forecastOf(const IndexedVolume& volume, const VisibleBlocks& shown,
-                    const PageGeometry& page, uint64_t plan_bytes, uint64_t others_bytes,
-                    const FrameOptions& frame, const MachineOptions& machine) {
+void requireRoomToPlan(const IndexedVolume& volume, uint64_t others_bytes,
+                       const FrameOptions& frame, const MachineOptions& machine,
+                       TexelPlace texels) {
+  if (others_bytes <= memoryBudget(machine)) return;
+  const BesideShare share =
+      besideShare(volume, machine, frame.partition, pictureDemand(machine, frame), others_bytes);
+  shareMemory(memoryBudget(machine), volume.page, texels,
+              sessionNeeds(volume, frame.partition, share.beside_bytes), 1);
+}
+
+Forecast forecastOf(const ForecastInputs& inputs) {
+  const auto& [volume, planned, page, cost, others_bytes, frame, machine, texels] = inputs;
   Forecast forecast;
-  forecast.blocks = static_cast<int64_t>(shown.blocks.size());
-  const VoxelType type = volume.source->layout().type;
-  const PyramidLayout layout = volume.step().layout();
-  for (const ObjectBlock& block : shown.blocks) {
-    const Box3 voxels = layout.storedVoxels(block.name);
-    forecast.voxel_bytes += static_cast<uint64_t>(voxels.count()) *
-                            storedBytesPerVoxel(type, layout.of(block.name).numbers);
-  }
   forecast.index_bytes = volume.rangesBytes();
   const PictureDemand picture = pictureDemand(machine, frame);
   const BesideShare share = besideShare(volume, machine, frame.partition, picture, others_bytes);
-  BufferNeeds needs = bufferNeeds(*volume.source, volume.layout, frame.partition,
-                                  others_bytes + leastPictureBytes(picture));
-  needs.numbers = volume.numbers();
-  BufferNeeds of_session = needs;
-  of_session.beside_bytes = share.beside_bytes;
-  forecast.stored = storedReads(*volume.source, volume.time, boxesOf(volume, shown),
-                                heldChunkBytes(*volume.source, page, of_session, machine));
-  const uint64_t textures = textureMemoryBytes(page, TexelPlace::kInMemory);
+  const BufferNeeds needs = sessionNeeds(volume, frame.partition, share.beside_bytes);
+  const std::optional<Budgets> budgets = budgetsOf(inputs, needs);
+  addReads(inputs, heldChunkBytes(budgets, needs), forecast);
+  addMostReads(inputs, budgets, stripsOf(picture, share.picture_bytes).size(), forecast);
+  // The least is with the picture in strips, which is how it is drawn if nothing else fits.
+  const uint64_t textures = textureMemoryBytes(page, texels);
   forecast.budget_bytes = memoryBudget(machine);
-  forecast.least_bytes = textures + leastBufferBytes(page, needs);
+  forecast.least_bytes =
+      textures + leastBufferBytes(page, sessionNeeds(volume, frame.partition,
+                                                     others_bytes + leastPictureBytes(picture)));
+  forecast.fits_budget = forecast.least_bytes <= forecast.budget_bytes;
   // Blocks once, and chunks twice: filled in memory, and as textures.
+  const uint64_t copies = textureMemoryBytes(page, TexelPlace::kInMemory);
   const uint64_t wanted =
-      share.beside_bytes + forecast.voxel_bytes + plan_bytes + std::min(plan_bytes, textures);
+      share.beside_bytes + forecast.voxel_bytes + cost.bytes + std::min(cost.bytes, copies);
   forecast.buffer_bytes =
-      std::min(forecast.budget_bytes, std::max(wanted, forecast.least_bytes - textures));
+      std::min(forecast.budget_bytes,
+               std::max(wanted, forecast.least_bytes - std::min(forecast.least_bytes, textures)));
   forecast.picture_bytes = share.picture_bytes;
   forecast.program_bytes = kProgramBytes;
   forecast.machine_bytes = availableMemoryBytes();

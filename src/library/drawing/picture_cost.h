@@ -1,5 +1,6 @@
 // The cost of a picture before it is drawn: chunks, pages and bytes by algorithm, voxels to read,
-// and memory. Pure functions of plans; no voxel is read.
+// and memory. Pure functions of plans; no voxel is read. At most one plan is in memory at a time:
+// planBytes() counts it.
 #pragma once
 
 #include <array>
@@ -7,12 +8,14 @@
 #include <optional>
 
 #include "src/base/values/stored_reads.h"
+#include "src/device/device.h"
 #include "src/library/opening/indexed_volume.h"
 #include "src/library/requests.h"
 #include "src/render/blocks/visible_blocks.h"
 #include "src/render/camera/camera.h"
 #include "src/render/camera/frame_options.h"
 #include "src/render/session/planner.h"
+#include "src/texture/plan_totals.h"
 #include "src/texture/texture_plan.h"
 
 namespace sluice {
@@ -31,23 +34,31 @@ PlannedBlocks plannedBlocks(const IndexedVolume& volume, const TimeStep& step,
                             const TransferFunction& transfer, const FrameOptions& frame,
                             const PageGeometry& page, BlockChooser* chooser, WorkerPool& pool);
 
-struct AlgorithmCost {
-  size_t chunks = 0, clusters = 0;
-  Vec3i cluster_blocks;
-  int64_t pages = 0, binds = 0;
-  uint64_t bytes = 0;
+struct AlgorithmCost : PlanTotals {
+  // Blocks of chunks that two clusters need, and their decoded bytes: a frame reads them again for
+  // the second cluster if they did not stay in memory.
+  int64_t shared_blocks = 0;
+  uint64_t shared_voxel_bytes = 0;
   double seconds = 0;  // planning time
 };
 // One for each of kAlgorithms, at its place.
 using AlgorithmCosts = std::array<AlgorithmCost, kAlgorithms.size()>;
 
+// Throws Error when the texture cache has fewer pages than one block.
 AlgorithmCosts algorithmCosts(const IndexedVolume& volume, const PlannedBlocks& planned,
                               const FrameOptions& frame, const PageGeometry& page,
                               WorkerPool& pool);
 
 struct Forecast {
-  int64_t blocks = 0;        // blocks that show something
-  uint64_t voxel_bytes = 0;  // decoded bytes of those blocks, as a first frame reads them
+  // The blocks that the algorithm loads, and their decoded bytes: the reads of a first frame if all
+  // of them stay in memory.
+  int64_t blocks = 0;
+  uint64_t voxel_bytes = 0;
+  // The most blocks that a first frame reads, and their decoded bytes: more than the above if the
+  // memory does not hold all blocks, since a block is then read again for each strip of the picture
+  // and each cluster that needs it. Growing boxes that are not kept yet read blocks once more.
+  int64_t most_blocks = 0;
+  uint64_t most_voxel_bytes = 0;
   // The reads of a first frame from a store of chunks; unset: the volume is none.
   std::optional<StoredReads> stored = {};
   // The memory that MachineOptions::memory_bytes bounds: its value, the least that works, and the
@@ -58,20 +69,34 @@ struct Forecast {
   uint64_t picture_bytes = 0;
   uint64_t program_bytes = 0;  // in addition to it: the program and its driver
   uint64_t machine_bytes = 0;  // limit for this process
+  // Whether the budget is at least least_bytes. Each of several channels has its own share of the
+  // budget, so that all of them together can have enough and one too little.
+  bool fits_budget = false;
 
   uint64_t peakBytes() const { return buffer_bytes + program_bytes; }
-  bool fits() const { return least_bytes <= budget_bytes && peakBytes() <= machine_bytes; }
+  bool fits() const { return fits_budget && peakBytes() <= machine_bytes; }
 };
 
 // The reads of a level of the volume, from end to end and with its spreads, which level 0 has not;
 // nullopt: the volume is no store of chunks. Throws Error.
 std::optional<StoredReads> storedReadsOfLevel(VolumeSource& source, int64_t time, int level);
 
-// `page`: with as many pages as the picture has. `plan_bytes`: bytes of the textures that the
-// chosen algorithm makes, which count on software GL, whose textures live in memory.
-// `others_bytes`: see othersBytes().
-Forecast forecastOf(const IndexedVolume& volume, const VisibleBlocks& shown,
-                    const PageGeometry& page, uint64_t plan_bytes, uint64_t others_bytes,
-                    const FrameOptions& frame, const MachineOptions& machine);
+// Throws Error, as the session of such a picture does, when the memory has no room for its plan and
+// the rest of `others_bytes` (see othersBytes()). `volume.page`: with as many pages as the picture
+// has.
+void requireRoomToPlan(const IndexedVolume& volume, uint64_t others_bytes,
+                       const FrameOptions& frame, const MachineOptions& machine, TexelPlace texels);
+
+struct ForecastInputs {
+  const IndexedVolume& volume;
+  const PlannedBlocks& planned;
+  const PageGeometry& page;   // with as many pages as the picture has
+  const AlgorithmCost& cost;  // of the algorithm that draws
+  uint64_t others_bytes = 0;  // see othersBytes()
+  const FrameOptions& frame;
+  const MachineOptions& machine;
+  TexelPlace texels = TexelPlace::kInMemory;  // of the device that draws
+};
+Forecast forecastOf(const ForecastInputs& inputs);
 
 }  // namespace sluice

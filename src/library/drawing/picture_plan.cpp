@@ -26,9 +26,9 @@ PicturePlan planOf(const Scene& scene, const TimeStep& step, const FrameOptions&
       plannedBlocks(volume, step, transfer, options, scene.page, nullptr, scene.pool);
   const AlgorithmCosts costs = algorithmCosts(volume, planned, options, scene.page, scene.pool);
   const AlgorithmCost& chosen = costs[static_cast<size_t>(options.algorithm)];
-  const Forecast forecast =
-      forecastOf(volume, *planned.blocks, scene.page, chosen.bytes,
-                 othersBytes(volume, transfer, options, scene.pool), options, scene.machine);
+  const Forecast forecast = forecastOf({volume, planned, scene.page, chosen,
+                                        othersBytes(volume, transfer, options, scene.pool), options,
+                                        scene.machine, scene.device->limits().texels});
 
   PicturePlan plan;
   plan.white = planned.blocks->white;

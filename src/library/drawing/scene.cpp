@@ -43,6 +43,12 @@ uint64_t othersBytes(const IndexedVolume& volume, const TransferFunction& transf
   return steps * volume.rangesBytes() + planBytes(volume, transfer, frame, pool) + light_bytes;
 }
 
+void failOfShare(const Error& error, size_t channels) {
+  if (channels == 1) throw Error(error);
+  failAs(error.kind(), "{} ({} channels share the memory evenly, and this is the part of one)",
+         error.what(), channels);
+}
+
 Scene::Scene(SceneInputs inputs, const LookArguments& asked_look, const FrameOptions& frame)
     : Layer(std::move(inputs.volume), shareOf(inputs.machine, 1 + inputs.more.size())),
       owned_pool(std::move(inputs.pool)),
@@ -107,9 +113,7 @@ void Scene::openSession(const FrameOptions& frame, uint64_t more_bytes) {
     for (Layer* layer : layers()) openSession(*layer, frame.partition);
   } catch (const Error& error) {
     for (Layer* opened : layers()) opened->session.reset();  // none outlives the device
-    if (more.empty()) throw;
-    failAs(error.kind(), "{} ({} channels share the memory evenly, and this is the part of one)",
-           error.what(), layers().size());
+    failOfShare(error, layers().size());
   }
   chooseBlocksBy(nullptr);
 }

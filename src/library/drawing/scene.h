@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "cache/trace/trace.h"
+#include "src/base/error.h"
 #include "src/library/drawing/chosen_look.h"
 #include "src/library/drawing/picture_memory.h"
 #include "src/library/drawing/resources.h"
@@ -194,6 +195,9 @@ struct Scene : Layer {
   // The layers' next frame, blended.
   Frame drawBlended(std::vector<LayerFrame>& parts);
 };
+
+// Throws an Error about a lack of memory again, and tells if so many channels share the memory.
+[[noreturn]] void failOfShare(const Error& error, size_t channels);
 
 // The bytes that a frame holds in addition to the levels and the picture: min-max arrays, plans,
 // and the light that arrives if the frame's lighting looks around.
