@@ -69,6 +69,8 @@ py::dict planned(const PicturePlan& plan) {
   out["clusters"] = plan.clusters;
   out["read"] = py::dict(py::arg("blocks") = plan.read_blocks,
                          py::arg("voxel_bytes") = plan.read_voxel_bytes);
+  out["most_read"] = py::dict(py::arg("blocks") = plan.most_read_blocks,
+                              py::arg("voxel_bytes") = plan.most_read_voxel_bytes);
   out["memory"] = memoryOf(plan.memory);
   out["classify_seconds"] = plan.classify_seconds;
   out["plan_seconds"] = plan.plan_seconds;

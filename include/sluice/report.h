@@ -92,6 +92,11 @@ struct PicturePlan {
   bool is_refined = true;
 
   double classify_seconds = 0, plan_seconds = 0;
+
+  // The most blocks that a first picture reads, and the bytes of their voxels: as many as
+  // read_blocks if the memory holds all of these.
+  int64_t most_read_blocks = 0;
+  uint64_t most_read_voxel_bytes = 0;
 };
 
 // How often values occur: bin i of n holds lo + (hi - lo) / n * [i, i + 1), the last one hi too.

@@ -158,6 +158,7 @@ nlohmann::json sumJson(const PlannedSum& sum, Algorithm algorithm) {
       {"blocks", {{"white", sum.white}, {"grey", sum.grey}, {"black", sum.black}}},
       {"clusters", chosen.clusters},
       {"read", readJson(sum.forecast)},
+      {"most_read", mostReadJson(sum.forecast)},
       {"memory", memoryJson(sum.forecast)},
       {"classify_seconds", sum.classify_seconds},
       {"plan_seconds", chosen.seconds},
@@ -366,7 +367,7 @@ int run(const PlanArguments& asked, const CLI::App& app) {
       plannedCulling(arguments, first.volume, first.transfer, pool);
   const PlanArguments share = shareOf(arguments, channels.size());
   // A device that draws decides how much memory is the least that works.
-  const TexelPlace texels = makeDevice(arguments.resources.device, pool)->limits().texels;
+  const TexelPlace texels = texelPlaceOf(arguments.resources.device, pool);
   const auto argumentsOf = [&](const PlannedChannel& channel) {
     PlanArguments own = share;
     own.frame = frameOn(channel.volume.source->layout(), first.volume.source->layout(), own.frame);

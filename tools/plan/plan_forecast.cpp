@@ -19,10 +19,11 @@ void add(Forecast& sum, const Forecast& more) {
 }
 
 nlohmann::json readJson(const Forecast& forecast) {
-  return {{"blocks", forecast.blocks},
-          {"voxel_bytes", forecast.voxel_bytes},
-          {"most_blocks", forecast.most_blocks},
-          {"most_voxel_bytes", forecast.most_voxel_bytes}};
+  return {{"blocks", forecast.blocks}, {"voxel_bytes", forecast.voxel_bytes}};
+}
+
+nlohmann::json mostReadJson(const Forecast& forecast) {
+  return {{"blocks", forecast.most_blocks}, {"voxel_bytes", forecast.most_voxel_bytes}};
 }
 
 nlohmann::json memoryJson(const Forecast& forecast) {

@@ -11,8 +11,9 @@ namespace sluice {
 // least memory is left to the caller: a sum would be too little for channels that differ.
 void add(Forecast& sum, const Forecast& more);
 
-// `read` and `memory` of plan's JSON.
+// `read`, `most_read` and `memory` of plan's JSON.
 nlohmann::json readJson(const Forecast& forecast);
+nlohmann::json mostReadJson(const Forecast& forecast);
 nlohmann::json memoryJson(const Forecast& forecast);
 void printForecast(const Forecast& forecast);
 

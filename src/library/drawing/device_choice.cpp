@@ -37,6 +37,10 @@ std::unique_ptr<Device> makeDevice(const DeviceArguments& arguments, WorkerPool&
   return std::make_unique<CpuDevice>(pool, arguments.simd);
 }
 
+TexelPlace texelPlaceOf(const DeviceArguments& arguments, WorkerPool& pool) {
+  return makeDevice(arguments, pool)->limits().texels;
+}
+
 const char* nameOf(const Device& device) {
   return std::string_view(device.backend()) == "cpu" ? "cpu" : "gl";
 }

@@ -26,6 +26,9 @@ struct DeviceArguments {
 // `pool`, whose threads the CPU device draws on, must outlive it. Throws Error.
 std::unique_ptr<Device> makeDevice(const DeviceArguments& arguments, WorkerPool& pool);
 
+// Where that device keeps its texels, for those who draw nothing. Throws Error.
+TexelPlace texelPlaceOf(const DeviceArguments& arguments, WorkerPool& pool);
+
 // "gl" or "cpu".
 const char* nameOf(const Device& device);
 

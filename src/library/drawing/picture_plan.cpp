@@ -43,6 +43,8 @@ PicturePlan planOf(const Scene& scene, const TimeStep& step, const FrameOptions&
   plan.clusters = chosen.clusters;
   plan.read_blocks = forecast.blocks;
   plan.read_voxel_bytes = forecast.voxel_bytes;
+  plan.most_read_blocks = forecast.most_blocks;
+  plan.most_read_voxel_bytes = forecast.most_voxel_bytes;
   plan.memory = memoryOf(forecast);
   if (planned.blocks->cut) {
     for (const CutSummary::Level& level : planned.blocks->cut->levels)
