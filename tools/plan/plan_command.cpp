@@ -27,6 +27,7 @@
 #include "tools/plan/plan_boxes.h"
 #include "tools/plan/plan_forecast.h"
 #include "tools/plan/plan_server.h"
+#include "tools/plan/planned_channel.h"
 #include "tools/scene/open_scene.h"
 #include "tools/scene/series.h"
 #include "tools/scene/workers.h"
@@ -81,127 +82,11 @@ std::unique_ptr<PlannedCulling> plannedCulling(const PlanArguments& arguments,
           CulledBlocks::mostBytes(*opacity, arguments.frame.size, options, pool.threads()));
 }
 
-void print(const AlgorithmCosts& costs, Algorithm algorithm, double classify_seconds,
-           const PageGeometry& page) {
-  say("{:<13} {:>8} {:>9} {:>12} {:>7}   pages of {}, {} in the cache\n", "algorithm", "chunks",
-      "pages", "bytes", "binds", printPageSize(page.size_vox), page.pages);
-  for (size_t i = 0; i < costs.size(); ++i)
-    say("{:<13} {:>8} {:>9} {:>12} {:>7}\n", name(kAlgorithms[i]), costs[i].chunks, costs[i].pages,
-        formatBytes(costs[i].bytes), costs[i].binds);
-  const AlgorithmCost& chosen = costs[static_cast<size_t>(algorithm)];
-  say("{} cluster{} of {} x {} blocks; classified in {:.2f} ms, planned in {:.2f} ms\n",
-      chosen.clusters, chosen.clusters == 1 ? "" : "s", chosen.cluster_blocks.x,
-      chosen.cluster_blocks.y, 1e3 * classify_seconds, 1e3 * chosen.seconds);
-}
-
-// A channel of the picture with its look and its plans. Most volumes have one.
-struct PlannedChannel {
-  IndexedVolume volume;
-  TransferFunction transfer;
-  PlannedBlocks shown = {};
-  uint64_t others_bytes = 0;  // held in addition to the levels and the picture
-  AlgorithmCosts costs = {};
-  Forecast forecast = {};
-  std::optional<PlannedBoxes> boxes = {};
-};
-
 // The channels, and the camera fitted to them.
 struct PlannedPicture {
   std::vector<PlannedChannel> channels;
   Camera camera;
 };
-
-// The cost of all channels together.
-struct PlannedSum {
-  int64_t white = 0, grey = 0, black = 0;
-  AlgorithmCosts costs = {};
-  Forecast forecast;
-  double classify_seconds = 0;
-};
-
-PlannedSum sumOf(const std::vector<PlannedChannel>& channels) {
-  PlannedSum sum;
-  uint64_t least_bytes = 0;  // of one channel; all get the same share
-  for (const PlannedChannel& channel : channels) {
-    least_bytes = std::max(least_bytes, channel.forecast.least_bytes);
-    sum.white += channel.shown.blocks->white;
-    sum.grey += channel.shown.blocks->grey;
-    sum.black += channel.shown.blocks->black;
-    sum.classify_seconds += channel.shown.seconds;
-    if (&channel == &channels.front()) {
-      sum.costs = channel.costs;
-      sum.forecast = channel.forecast;
-      continue;
-    }
-    add(sum.forecast, channel.forecast);
-    for (size_t i = 0; i < sum.costs.size(); ++i) {
-      AlgorithmCost& cost = sum.costs[i];
-      const AlgorithmCost& more = channel.costs[i];
-      cost.shared_blocks += more.shared_blocks;
-      cost.shared_voxel_bytes += more.shared_voxel_bytes;
-      cost.chunks += more.chunks;
-      cost.clusters += more.clusters;
-      cost.pages += more.pages;
-      cost.binds += more.binds;
-      cost.bytes += more.bytes;
-      cost.seconds += more.seconds;
-    }
-  }
-  sum.forecast.least_bytes = least_bytes * channels.size();
-  return sum;
-}
-
-// The part of a report that channels have as well as their sum.
-nlohmann::json sumJson(const PlannedSum& sum, Algorithm algorithm) {
-  const AlgorithmCost& chosen = sum.costs[static_cast<size_t>(algorithm)];
-  nlohmann::json report{
-      {"blocks", {{"white", sum.white}, {"grey", sum.grey}, {"black", sum.black}}},
-      {"clusters", chosen.clusters},
-      {"read", readJson(sum.forecast)},
-      {"most_read", mostReadJson(sum.forecast)},
-      {"memory", memoryJson(sum.forecast)},
-      {"classify_seconds", sum.classify_seconds},
-      {"plan_seconds", chosen.seconds},
-      {"seconds", sum.classify_seconds + chosen.seconds}};
-  for (size_t i = 0; i < sum.costs.size(); ++i)
-    report["algorithms"][std::string(name(kAlgorithms[i]))] = {{"chunks", sum.costs[i].chunks},
-                                                               {"pages", sum.costs[i].pages},
-                                                               {"bytes", sum.costs[i].bytes},
-                                                               {"binds", sum.costs[i].binds}};
-  return report;
-}
-
-nlohmann::json channelJson(const PlannedChannel& channel, const PlannedSum& sum,
-                           Algorithm algorithm) {
-  nlohmann::json report = sumJson(sum, algorithm);
-  report["transfer"] = channel.transfer.name;
-  if (channel.boxes) report["partition"] = boxesJson(*channel.boxes);
-  if (channel.shown.blocks->cut) report["cut"] = cutJson(*channel.shown.blocks->cut);
-  return report;
-}
-
-nlohmann::json reportOf(const std::vector<PlannedChannel>& channels, Algorithm algorithm,
-                        const CLI::App& app) {
-  const PlannedChannel& first = channels.front();
-  nlohmann::json report = channelJson(first, sumOf(channels), algorithm);
-  report["command"] = "plan";
-  report["options"] = optionsJson(app);
-  report["volume"] = volumeJson(first.volume);
-  if (channels.size() == 1) return report;
-  for (const PlannedChannel& channel : channels) {
-    PlannedSum own{.white = channel.shown.blocks->white,
-                   .grey = channel.shown.blocks->grey,
-                   .black = channel.shown.blocks->black,
-                   .costs = channel.costs,
-                   .forecast = channel.forecast,
-                   .classify_seconds = channel.shown.seconds};
-    nlohmann::json of_channel = channelJson(channel, own, algorithm);
-    of_channel["channel"] = idJson(channel.volume.channel);
-    of_channel["name"] = channel.volume.channel.name;
-    report["channels"].push_back(std::move(of_channel));
-  }
-  return report;
-}
 
 PlannedPicture openPlanned(const PlanArguments& arguments, FinestLevel finest,
                            const Outputs& outputs, WorkerPool& pool) {
@@ -286,20 +171,6 @@ void evenOutBlended(const LookArguments& look, std::vector<PlannedChannel>& chan
   for (PlannedChannel& channel : channels)
     pages.emplace_back(&channel.volume, &channel.volume.page);
   evenOutPages(pages);
-}
-
-void print(const PlannedChannel& channel, Algorithm algorithm) {
-  print(channel.costs, algorithm, channel.shown.seconds, channel.volume.page);
-  if (isCoarser(*channel.shown.blocks)) say("{}\n", cutLine(*channel.shown.blocks->cut));
-}
-
-void printIndex(const PlannedChannel& channel) {
-  const IndexedVolume& volume = channel.volume;
-  if (volume.stand_in) say("{}\n", volume.standInNote());
-  if (!volume.stand_in && volume.index->state != "read")
-    say("index {}: this plan has read the whole volume for it, {}\n", volume.index->state,
-        volume.index->path.empty() ? "and so will the next one" : "the next one reads no voxel");
-  if (channel.boxes) print(*channel.boxes);
 }
 
 // The plan of a picture of which nothing is known before all of the volume is read.
@@ -388,7 +259,9 @@ int run(const PlanArguments& asked, const CLI::App& app) {
   for (PlannedChannel& channel : channels)
     planChannel(argumentsOf(channel), channel, culling.get(), texels, pool);
   const Algorithm algorithm = arguments.frame.algorithm;
-  nlohmann::json report = reportOf(channels, algorithm, app);
+  nlohmann::json report = reportOf(channels, algorithm);
+  report["command"] = "plan";
+  report["options"] = optionsJson(app);
   addStoreJson(report, sumOf(channels).forecast, pass);
   if (culling) report["culling"] = countsJson(culling->blocks.counts());
   if (!arguments.report_file.empty()) {
