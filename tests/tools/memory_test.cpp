@@ -109,7 +109,7 @@ TEST(Memory, aBlockTakesNoMoreThanTheVolume) {
     const auto plan = program.json("plan " + what + "--memory 64M --block " + block);
     return plan["memory"]["least_bytes"].get<double>();
   };
-  EXPECT_LT(least("128"), 1.5 * least("64"));
+  EXPECT_LT(least("128"), 2 * least("64"));
   const auto report =
       program.json("render " + what + "--memory 64M --block 128 --verify -o large.png");
   EXPECT_LE(report["verify"]["max_difference"].get<double>(), 1);
