@@ -128,7 +128,7 @@ void HttpFetch::refuse(const HttpHead& head) const {
 std::string HttpFetch::whyIncomplete(const HttpEnd& end, bool is_answer) const {
   if (!is_answer && head_.status != 0 && end.fault.empty())
     return fmt::format("the server answered with status {}", head_.status);
-  const std::string fault = end.fault.empty() ? "the answer is too short" : end.fault;
+  std::string fault = end.fault.empty() ? "the answer is too short" : end.fault;
   if (!has_room_) return fault;
   return fmt::format("{} of {} bytes came: {}", got_, out_.size(), fault);
 }
