@@ -1,5 +1,5 @@
-// What makes a picture impossible whatever the volume holds, and how it is cut into levels: one set
-// of rules for `render`, which draws pictures, and `plan`, which forecasts them.
+// One set of rules for `render`, which draws pictures, and `plan`, which forecasts them: it refuses
+// options that exclude each other, and decides how a picture is cut into levels.
 #pragma once
 
 #include <optional>

@@ -26,7 +26,7 @@ struct DeviceArguments {
 // `pool`, whose threads the CPU device draws on, must outlive it. Throws Error.
 std::unique_ptr<Device> makeDevice(const DeviceArguments& arguments, WorkerPool& pool);
 
-// Where that device keeps its texels, for those who draw nothing. Throws Error.
+// The place in which that device keeps its texels: a plan needs it and draws nothing. Throws Error.
 TexelPlace texelPlaceOf(const DeviceArguments& arguments, WorkerPool& pool);
 
 // "gl" or "cpu".
