@@ -54,12 +54,21 @@ def _folder(*places):
 
 
 def _index_folder(index_dir):
-    """The folder that `sluice` itself keeps indices in, unless another one is named; '' is none."""
+    """The folder that `sluice` itself keeps indices in, unless another one is named; '' is none.
+
+    SLUICE_INDEX=beside names no folder: an index next to the volume is read in any case.
+    """
     if index_dir is not None:
         return _os.fspath(index_dir)
-    if _os.environ.get('SLUICE_INDEX') == 'off':
+    wish = _os.environ.get('SLUICE_INDEX', '')
+    if wish not in ('', 'beside', 'off'):
+        raise ValueError(f"SLUICE_INDEX: expected off or beside, found '{wish}'")
+    if wish == 'off':
         return ''
-    return _folder(('SLUICE_INDEX_DIR', ''), ('XDG_CACHE_HOME', 'sluice/index'), ('HOME', '.cache/sluice/index'))
+    folder = _os.environ.get('SLUICE_INDEX_DIR', '')
+    if folder and not folder.startswith('/'):
+        raise ValueError(f"SLUICE_INDEX_DIR: expected the absolute path of a folder, found '{folder}'")
+    return folder or _folder(('XDG_CACHE_HOME', 'sluice/index'), ('HOME', '.cache/sluice/index'))
 
 
 def _cache(size, folder):

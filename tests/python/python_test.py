@@ -23,6 +23,7 @@ import threading
 import time
 import types
 import unittest
+import unittest.mock
 import zlib
 
 import numpy
@@ -554,6 +555,16 @@ class Requests(unittest.TestCase):
         for _ in range(200):
             once()
         self.assertLess(resident() - before, 16 << 20)
+
+    def test_of_a_wrong_place_for_indices_are_refused(self):
+        wrong = {'SLUICE_INDEX': ('of', 'expected off or beside'),
+                 'SLUICE_INDEX_DIR': ('here', 'expected the absolute path of a folder')}
+        for variable, (value, said) in wrong.items():
+            with self.subTest(variable), unittest.mock.patch.dict(os.environ, {'SLUICE_INDEX': ''}):
+                os.environ[variable] = value
+                with self.assertRaisesRegex(ValueError, f"{variable}: {said}.*'{value}'"):
+                    sluice.open('synth:shells,dims=8x8x8')
+                sluice.open('synth:shells,dims=8x8x8', index_dir='')
 
 
 class Certificates(unittest.TestCase):
