@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fstream>
+
 #include "tests/support/error_of.h"
 #include "tests/support/temp_folder.h"
 
@@ -58,11 +60,15 @@ TEST(StateFile, namesThatAreNoUtf8AreKeptByteForByte) {
     if (byte != '/') every += static_cast<char>(byte);
   ViewedVolume volume;
   volume.paths = {"caf\xe9.nrrd", every, "caf\xc3\xa9.nrrd"};  // Latin-1, anything, UTF-8
+  volume.options.channel_name = "K\xe4se";
+  volume.options.grid = "dichte \xff";
   ViewState state;
   state.look.transfer_file = "gr\xfcn.json";
   const std::string text = stateText(volume, state);
   const StateFile read = parseState(text, "here");
   EXPECT_EQ(read.volume->paths, volume.paths);
+  EXPECT_EQ(read.volume->options.channel_name, volume.options.channel_name);
+  EXPECT_EQ(read.volume->options.grid, volume.options.grid);
   EXPECT_EQ(read.state.look.transfer_file, state.look.transfer_file);
   EXPECT_THAT(text, HasSubstr("\"caf\xc3\xa9.nrrd\""));  // not escaped
   EXPECT_THAT(errorOf([&] {
@@ -117,6 +123,26 @@ TEST(StateFile, namesOfFilesBecomeAbsolute) {
   volume.paths = {file.string()};
   writeState(file, volume, {});
   EXPECT_EQ(readState(file).volume->paths.front(), std::filesystem::absolute(file).string());
+}
+
+// A saved view may be opened from another folder.
+TEST(StateFile, tablesOfChannelsBecomeAbsolute) {
+  const TempFolder folder;
+  const std::filesystem::path file = folder / "a.json", table = folder / "\xff bones.txt";
+  std::ofstream(table) << "1 255 0 0 1 1 1 \"bone\"\n";
+  const std::string relative = std::filesystem::relative(table).string();
+  ASSERT_NE(relative, std::filesystem::absolute(table).string());
+  ViewState state;
+  state.look.channels = {{.channel = "0", .map = relative, .opacity = 0.5},
+                         {.channel = "1", .map = "green"},
+                         {.channel = "2", .map = "missing.txt"}};
+  writeState(file, {}, state);
+  const auto channels = readState(file).state.look.channels;
+  ASSERT_EQ(channels.size(), 3U);
+  EXPECT_EQ(channels[0].map, std::filesystem::absolute(relative).string());
+  EXPECT_EQ(channels[0].opacity, 0.5);
+  EXPECT_EQ(channels[1].map, "green");
+  EXPECT_EQ(channels[2].map, "missing.txt");
 }
 
 TEST(StateFile, saysWhatIsWrongAndWhere) {

@@ -20,6 +20,10 @@ std::optional<ValueRange> rangeOf(std::string_view text) {
 
 }  // namespace
 
+bool isLabelTable(std::string_view map) {
+  return map.find_first_of("./") != std::string_view::npos;
+}
+
 std::optional<ChannelLook> parseChannelLook(std::string_view text) {
   const std::string_view head = text.substr(0, text.find(','));
   const size_t colon = head.rfind(':');

@@ -17,8 +17,12 @@ inline constexpr size_t kMostChannels = 8;
 // The channel's id in a look of the volume that is drawn over the first one.
 inline constexpr std::string_view kOver = "over";
 
-// In a map's place: values are labels, each with its colour. So is the file of a table of labels.
+// In a map's place: values are labels, each with its colour. A table of labels does the same.
 inline constexpr std::string_view kLabelsMap = "labels";
+
+// Whether a map is the file of a table of labels: names of maps and colours have neither '.' nor
+// '/'.
+bool isLabelTable(std::string_view map);
 
 // Whatever is not set follows from the file, or from the values.
 struct ChannelLook {

@@ -185,10 +185,6 @@ LookArguments sharedWithOver(const LookArguments& asked) {
   return look;
 }
 
-// A look's map may be "labels", or the file of a table of labels.
-bool isLabelTable(std::string_view map) {
-  return map.find_first_of("./") != std::string_view::npos;
-}
 bool asksForLabels(const ChannelLook& look) {
   return look.map == kLabelsMap || isLabelTable(look.map);
 }

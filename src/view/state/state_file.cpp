@@ -42,18 +42,34 @@ json volumeJson(const ViewedVolume& volume) {
   if (options.skip_bytes != 0) made["skip"] = options.skip_bytes;
   if (options.time_steps) made["time_steps"] = *options.time_steps;
   if (options.spacing) made["spacing"] = *options.spacing;
-  if (!options.grid.empty()) made["grid"] = options.grid;
+  if (!options.grid.empty()) made["grid"] = fileNameJson(options.grid);
   if (options.channel)
     made["channel"] = *options.channel;
   else if (!options.channel_name.empty())
-    made["channel"] = options.channel_name;
+    made["channel"] = fileNameJson(options.channel_name);
   if (!options.over.empty()) made["over"] = fileNameJson(absolutePath(options.over));
   return made;
+}
+
+// The look of a channel, whose table of labels becomes absolute as other files do, unless the
+// option could not name it then: a comma or a colon ends the name there.
+json channelJson(const std::string& text) {
+  std::optional<ChannelLook> look = parseChannelLook(text);
+  if (!look || !isLabelTable(look->map)) return fileNameJson(text);
+  look->map = absolutePath(look->map);
+  const std::string moved = channelLookText(*look);
+  return fileNameJson(parseChannelLook(moved) == look ? moved : text);
 }
 
 json jsonOf(const OptionEntry& entry, const OptionValue& value) {
   if (entry.kind.form == OptionForm::kFile)
     return fileNameJson(absolutePath(std::get<std::string>(value)));
+  if (entry.kind.form == OptionForm::kChannels) {
+    json made = json::array();
+    for (const std::string& text : std::get<std::vector<std::string>>(value))
+      made.push_back(channelJson(text));
+    return made;
+  }
   return std::visit([](const auto& held) { return json(held); }, value);
 }
 
@@ -123,12 +139,12 @@ ViewedVolume volumeOf(const JsonField& field) {
     options.spacing = tripleOf<double>(*f);
     for (size_t a = 0; a < 3; ++a) aboveZero((*f)[a], kMostSpacing);
   }
-  if (const auto f = field.find("grid")) options.grid = f->text();
+  if (const auto f = field.find("grid")) options.grid = fileNameOf(*f);
   if (const auto f = field.find("channel")) {
-    if (f->isText())
-      options.channel_name = f->text();
-    else
+    if (f->isNumber())
       options.channel = wholeFrom(0, *f);
+    else
+      options.channel_name = fileNameOf(*f);
   }
   if (const auto f = field.find("over")) options.over = fileNameOf(*f);
   return volume;
@@ -140,8 +156,8 @@ std::vector<std::string> textsOf(const JsonField& field, const std::string& expe
   if (!field.isArray()) field.failExpected("a list, each " + expected);
   std::vector<std::string> texts;
   for (size_t i = 0; i < field.size(); ++i) {
-    if (!is_right(field[i].text())) field[i].failExpected(expected);
-    texts.push_back(field[i].text());
+    texts.push_back(fileNameOf(field[i]));
+    if (!is_right(texts.back())) field[i].failExpected(expected);
   }
   return texts;
 }
