@@ -10,7 +10,7 @@
 #include <string_view>
 #include <utility>
 
-#include "src/view/state/option_table.h"
+#include "src/options/option_table.h"
 #include "src/view/state/view_check.h"
 
 namespace sluice::python {

@@ -1,5 +1,5 @@
 // Keywords of render() and save(): the options of `sluice render` of the same names, with "_" for
-// "-", as the table of options describes them (src/view/state/option_table.h), and a few more that
+// "-", as the table of options describes them (src/options/option_table.h), and a few more that
 // belong to a picture alone.
 #pragma once
 
@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "src/view/state/view_state.h"
+#include "src/options/view_state.h"
 
 namespace sluice::python {
 

@@ -47,11 +47,11 @@ TEST(FieldNames, leaveTheProgramItsOptions) {
   EXPECT_EQ(lineInOptions(error), "give more --memory");
 }
 
-// Options that the library's parts name in messages. Those of commands, of the window and of
-// packing are left out, since no call of the library reaches them.
+// Options that the library's parts name in messages. Those of commands, of help, of the window and
+// of packing are left out, since no call of the library reaches them.
 std::set<std::string> optionsInMessages() {
   const fs::path root = SLUICE_SOURCE_DIR;
-  const std::set<fs::path> others = {root / "src/view", root / "src/annotate",
+  const std::set<fs::path> others = {root / "src/options", root / "src/view", root / "src/annotate",
                                      root / "io/zarr/packing", root / "io/meshes"};
   const std::regex option(R"([ "(](--[a-z][a-z-]*[a-z]))");
   std::set<std::string> found;

@@ -1,6 +1,6 @@
 // Every option of a view survives a saved view and a command line: values at random for each entry
 // of the table, with a seed, there and back.
-#include "src/view/state/option_table.h"
+#include "src/options/option_table.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // The options that commands share, a group a function, a file a group. Scripts read these names
 // (the interface); nothing is renamed. To add one is one call in the right file, and for an option
-// of a view an entry in src/view/state/option_table.cpp.
+// of a view an entry of the table of options (src/options/option_table.h).
 #pragma once
 
 #include <algorithm>

@@ -8,7 +8,7 @@
 #include "src/base/looks/channel_look.h"
 #include "src/base/looks/label_look.h"
 #include "src/base/looks/surface_look.h"
-#include "src/view/state/option_table.h"
+#include "src/options/option_table.h"
 #include "src/view/state/view_check.h"
 #include "tools/command_line/parse.h"
 

@@ -1,5 +1,5 @@
 // Options of a view on the command line, as the table of options describes them
-// (src/view/state/option_table.h).
+// (src/options/option_table.h).
 #pragma once
 
 #include <functional>
@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "src/view/state/view_state.h"
+#include "src/options/view_state.h"
 #include "tools/command_line/option_group.h"
 
 namespace sluice {

@@ -5,7 +5,7 @@
 #include <sluice/options.h>
 #include <sluice/volume.h>
 
-#include "src/view/state/view_state.h"
+#include "src/options/view_state.h"
 #include "tools/options/arguments.h"
 
 namespace sluice {

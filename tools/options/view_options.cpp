@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "src/library/conversions.h"
-#include "src/view/state/option_table.h"
+#include "src/options/option_table.h"
 #include "tools/command_line/interrupt.h"
 #include "tools/command_line/parse.h"
 #include "tools/options/shared_options.h"

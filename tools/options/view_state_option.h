@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "src/view/state/option_table.h"
+#include "src/options/option_table.h"
 #include "src/view/state/state_file.h"
 #include "src/view/state/view_path.h"
 

@@ -16,8 +16,8 @@
 #include <string>
 #include <vector>
 
+#include "src/options/view_state.h"
 #include "src/view/state/view_path.h"
-#include "src/view/state/view_state.h"
 
 namespace sluice {
 

@@ -7,8 +7,8 @@
 #include <stop_token>
 #include <string>
 
+#include "src/options/view_state.h"
 #include "src/view/state/view_path.h"
-#include "src/view/state/view_state.h"
 
 namespace sluice {
 

@@ -7,7 +7,7 @@
 
 #include "src/base/files/shell_word.h"
 #include "src/base/looks/color_word.h"
-#include "src/view/state/option_table.h"
+#include "src/options/option_table.h"
 
 namespace sluice {
 namespace {

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "src/view/state/view_state.h"
+#include "src/options/view_state.h"
 
 namespace sluice {
 

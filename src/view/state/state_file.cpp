@@ -11,8 +11,8 @@
 #include "src/base/looks/channel_look.h"
 #include "src/base/looks/label_look.h"
 #include "src/base/looks/surface_look.h"
+#include "src/options/option_table.h"
 #include "src/view/state/file_name_json.h"
-#include "src/view/state/option_table.h"
 #include "src/view/state/view_check.h"
 
 namespace sluice {

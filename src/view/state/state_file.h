@@ -14,8 +14,8 @@
 #include <string_view>
 
 #include "src/base/threads/stop_token.h"
+#include "src/options/view_state.h"
 #include "src/view/state/view_path.h"
-#include "src/view/state/view_state.h"
 
 namespace sluice {
 

@@ -8,9 +8,9 @@
 #include <optional>
 #include <string>
 
-#include "src/view/state/option_table.h"
+#include "src/options/option_table.h"
+#include "src/options/view_state.h"
 #include "src/view/state/view_path.h"
-#include "src/view/state/view_state.h"
 
 namespace sluice {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "src/view/state/view_state.h"
+#include "src/options/view_state.h"
 
 namespace sluice {
 

@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "src/view/state/option_table.h"
+#include "src/options/option_table.h"
 #include "src/view/state/transfer_edit.h"
 #include "src/view/window/panels/panels.h"
 

@@ -9,7 +9,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "src/view/state/option_table.h"
+#include "src/options/option_table.h"
 
 namespace sluice {
 

@@ -1,8 +1,12 @@
 // The options of a view, each described once: its names, form and limits, and where a ViewState
-// holds it. The saved view (state_file.h), the printed command (printed_command.h), the checks
-// (view_check.h) and the command line (tools/options) follow from this table. Pure functions.
+// holds it. The following are derived from this table: the saved view, the printed command and the
+// checks (src/view/state), the command line with its help (tools/options), the keywords of the
+// Python package with their types (python/picture_options.h), and the names of fields in messages
+// of the library (src/library/option_fields.h). Pure functions.
 //
-// A new option is a member of ViewState and an entry here.
+// A new option is a member of the public options (include/sluice/options.h), an entry in
+// camera_entries.cpp, look_entries.cpp or picture_entries.cpp, and the place where its value is
+// used.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +18,7 @@
 #include <vector>
 
 #include "src/base/values/number_range.h"
-#include "src/view/state/view_state.h"
+#include "src/options/view_state.h"
 
 namespace sluice {
 
@@ -65,10 +69,22 @@ struct OptionKind {
 // The object of a saved view that an option is in: "camera", "look", or the view itself.
 enum class OptionPart { kCamera, kLook, kTop };
 
+// Headings of --help.
+inline constexpr std::string_view kViewHeading = "View", kLookHeading = "Look",
+                                  kPartsHeading = "Channels, labels, surfaces",
+                                  kLightHeading = "Light", kDrawingHeading = "Drawing";
+
 struct OptionEntry {
   const char* key = "";          // the name in that object
   std::string_view option = {};  // "--zoom"; empty for an option of the window alone
-  int turn = 0;                  // printed commands have options in ascending order of turns
+  // The member of the library's structs as messages name it: "view.zoom". An entry gives the last
+  // part alone, and nothing if that is its key. Empty in the table: the library has no such member.
+  std::string field = {};
+  // Commands with all options of a part add those with a heading, under it. Empty: a command that
+  // has the option adds it by itself.
+  std::string_view heading = {};
+  bool is_rare = false;  // left out of --help, but not of --help-all, of the commands that draw
+  int turn = 0;          // printed commands have options in ascending order of turns
   OptionKind kind = {};
   std::string_view value = {};  // the value's name in --help; empty if the words are listed
   std::string_view help = {};   // the line of --help; empty if the command line words it
@@ -88,6 +104,9 @@ const std::vector<OptionEntry>& optionTable();
 
 // The entry of an option. Requires: there is one.
 const OptionEntry& optionEntry(std::string_view option);
+
+// All names that stand for the option on a command line, flags included: "--shade", "--no-shade".
+std::vector<std::string_view> optionNames(const OptionEntry& entry);
 
 // The value that a view is saved with; nullopt: it is saved without the option.
 std::optional<OptionValue> savedValue(const OptionEntry& entry, const ViewState& state);

@@ -13,17 +13,10 @@
 
 namespace sluice {
 
-struct ViewState {
-  // Has eye, target and up once a volume is open (Renderer::placed()).
-  ViewOptions view;
+// The picture's size, levels and time limit are the window's or the command's; they keep their
+// defaults here. `view` has eye, target and up once a volume is open (Renderer::placed()).
+struct ViewState : PictureOptions {
   LookOptions look;
-  int64_t time = 0;
-  std::optional<double> step_vox;  // unset: as PictureOptions has it
-  PictureOptions::Quality quality = PictureOptions::Quality::kPlain;
-  std::optional<double> jitter;
-  PictureOptions::Lighting lighting;
-  std::optional<PictureOptions::Box> crop;
-  std::vector<PictureOptions::Plane> clip_planes;
   std::optional<std::array<float, 3>> background;  // unset: pictures that are saved keep alpha
   std::array<int64_t, 3> cross{0, 0, 0};           // voxel whose slices are shown
   bool shows_slices = false;
@@ -44,17 +37,9 @@ inline std::vector<std::string> namesOf(const ViewedVolume& volume) {
 }
 
 inline PictureOptions pictureOf(const ViewState& state, int width, int height) {
-  PictureOptions picture;
+  PictureOptions picture = state;
   picture.width = width;
   picture.height = height;
-  picture.view = state.view;
-  picture.time = state.time;
-  picture.step_vox = state.step_vox;
-  picture.quality = state.quality;
-  picture.jitter = state.jitter;
-  picture.lighting = state.lighting;
-  picture.crop = state.crop;
-  picture.clip_planes = state.clip_planes;
   return picture;
 }
 

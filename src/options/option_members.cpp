@@ -1,4 +1,4 @@
-#include "src/view/state/option_members.h"
+#include "src/options/option_members.h"
 
 #include "src/base/error.h"
 #include "src/base/looks/channel_look.h"

@@ -1,0 +1,177 @@
+// The table of options: what a picture shows of its volume, and in which light.
+#include "src/options/option_entries.h"
+
+namespace sluice {
+namespace {
+
+using Picture = PictureOptions;
+using Lighting = PictureOptions::Lighting;
+using Form = OptionForm;
+
+bool hasQuality(const ViewState& state) {
+  return state.quality != Picture::Quality::kPlain;
+}
+bool isIntegrated(const ViewState& state) {
+  return hasQuality(state) && hasColors(state) && state.look.surfaces.empty() &&
+         !hasLabelsOfAnyKind(state);
+}
+bool mayBeLit(const ViewState& state) {
+  return hasColors(state) && state.look.light != LookOptions::Light::kOff;
+}
+// The other modes take values of the voxel planes.
+bool hasSlices(const ViewState& state) {
+  return hasColors(state) || isAttenuated(state) || state.look.mode == LookOptions::Mode::kAverage;
+}
+bool isLater(const ViewState& state) {
+  return state.time != 0;
+}
+
+}  // namespace
+
+std::vector<OptionEntry> pictureEntries() {
+  const OptionKind share{Form::kNumber, kShareRange};
+  const OptionKind bare_share{.form = Form::kNumber, .limits = kShareRange, .bare = "1"};
+  return {
+      in(&Picture::time, {.key = "time",
+                          .option = "--time",
+                          .turn = 40,
+                          .kind = {Form::kWhole, {0}, "a time step"},
+                          .is_printed = isLater}),
+      in(&Picture::step_vox, {.key = "step",
+                              .option = "--step",
+                              .field = "step_vox",
+                              .heading = kDrawingHeading,
+                              .is_rare = true,
+                              .turn = 41,
+                              .kind = {Form::kNumber, {0, 1e6, true}},
+                              .value = "VOXELS",
+                              .help = "Distance between slices in voxels of the finest spacing",
+                              .is_printed = hasSlices}),
+      in(&Picture::quality, {.key = "quality",
+                             .option = "--quality",
+                             .heading = kDrawingHeading,
+                             .is_rare = true,
+                             .turn = 46,
+                             .kind = wordOf({"plain", "fast", "normal", "high"}),
+                             .help = "How rays are sampled: plain takes single values; fast, "
+                                     "normal and high take all values "
+                                     "between samples, at 2, 1 and 1/2 times the chosen step",
+                             .is_saved = hasQuality,
+                             .is_printed = isIntegrated}),
+      in(&Picture::jitter, {.key = "jitter",
+                            .option = "--jitter",
+                            .heading = kDrawingHeading,
+                            .is_rare = true,
+                            .turn = 46,
+                            .kind = bare_share,
+                            .value = "SHARE",
+                            .help = "Moves the samples of each ray by up to half their distance "
+                                    "(--jitter=SHARE: by less), "
+                                    "which turns rings into fine grain",
+                            .is_printed = hasColors}),
+      in(&Lighting::key,
+         {.key = "key_light",
+          .option = "--light",
+          .field = "key",
+          .heading = kLightHeading,
+          .is_rare = true,
+          .turn = 47,
+          .kind = {Form::kAngles, {-36000, 36000}, "degrees"},
+          .value = "AZIMUTH,ELEVATION",
+          .help =
+              "Where the key light of lit pictures comes from: degrees to the viewer's right and "
+              "upwards (-22,29)",
+          .is_printed = mayBeLit}),
+      in(&Lighting::ambient,
+         {.key = "ambient",
+          .option = "--ambient",
+          .heading = kLightHeading,
+          .is_rare = true,
+          .turn = 48,
+          .kind = share,
+          .value = "SHARE",
+          .help = "Share of the colour that lit samples show in any light (0.3)",
+          .is_printed = mayBeLit}),
+      in(&Lighting::diffuse,
+         {.key = "diffuse",
+          .option = "--diffuse",
+          .heading = kLightHeading,
+          .is_rare = true,
+          .turn = 49,
+          .kind = share,
+          .value = "SHARE",
+          .help = "Share of the colour that a surface shows facing a light (0.65)",
+          .is_printed = mayBeLit}),
+      in(&Lighting::specular, {.key = "specular",
+                               .option = "--specular",
+                               .heading = kLightHeading,
+                               .is_rare = true,
+                               .turn = 50,
+                               .kind = share,
+                               .value = "SHARE",
+                               .help = "Brightness of highlights (0.2)",
+                               .is_printed = mayBeLit}),
+      in(&Lighting::shadows, {.key = "shadows",
+                              .option = "--shadows",
+                              .heading = kLightHeading,
+                              .is_rare = true,
+                              .turn = 51,
+                              .kind = bare_share,
+                              .value = "SHARE",
+                              .help = "Matter casts shadows in the key light of lit pictures; "
+                                      "SHARE, 0 to 1, is the part of "
+                                      "that light taken away (1)",
+                              .is_printed = mayBeLit}),
+      in(&Lighting::occlusion, {.key = "occlusion_light",
+                                .option = "--occlusion-light",
+                                .field = "occlusion",
+                                .heading = kLightHeading,
+                                .is_rare = true,
+                                .turn = 52,
+                                .kind = bare_share,
+                                .value = "SHARE",
+                                .help = "Matter around a place keeps other light away from it "
+                                        "(ambient occlusion); SHARE, 0 to "
+                                        "1, is the part kept away (1)",
+                                .is_printed = mayBeLit}),
+      in(&Lighting::depth_cueing, {.key = "depth_cueing",
+                                   .option = "--depth-cueing",
+                                   .heading = kLightHeading,
+                                   .is_rare = true,
+                                   .turn = 53,
+                                   .kind = bare_share,
+                                   .value = "SHARE",
+                                   .help = "Darkens distant parts, lit or not; SHARE, 0 to 1, is "
+                                           "how much the farthest visible part "
+                                           "is darkened (1: black)",
+                                   .is_printed = hasColors}),
+      in(&Picture::crop,
+         {.key = "crop",
+          .option = "--crop",
+          .heading = kDrawingHeading,
+          .turn = 42,
+          .kind = {Form::kBox},
+          .value = "X0,Y0,Z0,X1,Y1,Z1",
+          .help = "Shows the voxels between these planes, the upper ones not included"}),
+      in(&Picture::clip_planes,
+         {.key = "clip",
+          .option = "--clip",
+          .field = "clip_planes",
+          .heading = kDrawingHeading,
+          .turn = 43,
+          .kind = {Form::kPlanes, kWorldRange},
+          .value = "A,B,C,D",
+          .help = "Shows world positions with a x + b y + c z <= d; may be given up to 6 times"}),
+      in(&ViewState::background, {.key = "background",
+                                  .option = "--background",
+                                  .heading = kLookHeading,
+                                  .turn = 44,
+                                  .kind = {Form::kColor, kShareRange},
+                                  .value = "RRGGBB",
+                                  .help = "Background colour; without it, PNG keeps alpha"}),
+      in(&ViewState::cross, {.key = "cross", .kind = {Form::kVoxel, {0}, "a voxel"}}),
+      in(&ViewState::shows_slices, {.key = "slices", .kind = {Form::kFlag}}),
+  };
+}
+
+}  // namespace sluice
