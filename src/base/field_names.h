@@ -15,15 +15,11 @@ namespace sluice {
 std::string renamed(std::string_view line,
                     const std::function<std::string(std::string_view option)>& nameOf);
 
-// "--memory 64M is too small; give --memory 96M or fewer --pages" becomes "memory_bytes 64M is too
-// small; give memory_bytes 96M".
-std::string inFields(std::string_view line);
-
-// An Error as it leaves the library: what() names fields.
+// An Error as it leaves the library: what() names fields (src/library/option_fields.h).
 class FieldError : public Error {
  public:
-  explicit FieldError(const Error& error)
-      : Error(inFields(error.what()), error.kind()), line_in_options_(error.what()) {}
+  FieldError(const Error& error, const std::string& line_in_fields)
+      : Error(line_in_fields, error.kind()), line_in_options_(error.what()) {}
   const std::string& lineInOptions() const { return line_in_options_; }
 
  private:

@@ -1,5 +1,5 @@
 // Errors of the library: their kinds, and the names of options in their lines.
-#include "src/base/field_names.h"
+#include "src/library/option_fields.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -12,6 +12,8 @@
 #include <sstream>
 #include <utility>
 
+#include "src/base/field_names.h"
+#include "src/options/option_table.h"
 #include "tests/library/library_support.h"
 
 namespace sluice {
@@ -41,9 +43,10 @@ TEST(FieldNames, standForOptionsInALine) {
 
 TEST(FieldNames, leaveTheProgramItsOptions) {
   const Error error("give more --memory", Error::Kind::kMemory);
-  EXPECT_STREQ(FieldError(error).what(), "give more memory_bytes");
-  EXPECT_EQ(FieldError(error).kind(), Error::Kind::kMemory);
-  EXPECT_EQ(lineInOptions(FieldError(error)), "give more --memory");
+  const FieldError in_fields(error, inFields(error.what()));
+  EXPECT_STREQ(in_fields.what(), "give more memory_bytes");
+  EXPECT_EQ(in_fields.kind(), Error::Kind::kMemory);
+  EXPECT_EQ(lineInOptions(in_fields), "give more --memory");
   EXPECT_EQ(lineInOptions(error), "give more --memory");
 }
 
@@ -87,7 +90,10 @@ TEST(FieldNames, areMembersOfTheHeaders) {
   std::string headers;
   for (const auto& file : fs::directory_iterator(fs::path(SLUICE_SOURCE_DIR) / "include/sluice"))
     headers += contentOf(file.path());
-  for (const std::string& option : optionsInMessages()) {
+  std::set<std::string> options = optionsInMessages();
+  for (const OptionEntry& entry : optionTable())
+    for (const std::string_view name : optionNames(entry)) options.emplace(name);
+  for (const std::string& option : options) {
     const std::string field = inFields(option);
     if (field == option || field == "width and height") continue;
     std::istringstream parts(field);

@@ -6,7 +6,7 @@
 #include <map>
 #include <set>
 
-#include "src/base/field_names.h"
+#include "src/library/option_fields.h"
 #include "tests/library/library_support.h"
 
 namespace sluice {

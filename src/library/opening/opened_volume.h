@@ -14,6 +14,7 @@
 #include "src/base/threads/stop_token.h"
 #include "src/library/in_situ.h"
 #include "src/library/opening/indexed_volume.h"
+#include "src/library/option_fields.h"
 #include "src/library/progress_relay.h"
 
 namespace sluice {
@@ -43,7 +44,7 @@ auto translated(const Call& call) {
   } catch (const FieldError&) {
     throw;
   } catch (const Error& error) {
-    throw FieldError(error);
+    throw FieldError(error, inFields(error.what()));
   }
 }
 

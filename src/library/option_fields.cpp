@@ -1,0 +1,71 @@
+#include "src/library/option_fields.h"
+
+#include <algorithm>
+#include <array>
+
+#include "src/base/field_names.h"
+#include "src/options/option_table.h"
+
+namespace sluice {
+namespace {
+
+struct Field {
+  std::string_view option, name;
+};
+
+// Options that are no options of a view: of a volume and of the machine, of levels and the
+// pipeline.
+constexpr std::array kFields = std::to_array<Field>({
+    {"--algorithm", "pipeline.algorithm"},
+    {"--block", "block"},
+    {"--cache", "web.cache_bytes"},
+    {"--cache-dir", "web.cache_folder"},
+    {"--channel", "channel"},
+    {"--device", "device"},
+    {"--dims", "dims"},
+    {"--endian", "big_endian"},
+    {"--gl", "pipeline.gl"},
+    {"--grid", "grid"},
+    {"--index-dir", "index_folder"},
+    {"--keep-thin", "keep_thin"},
+    {"--level", "level"},
+    {"--levels", "levels"},
+    {"--max-bytes", "max_bytes"},
+    {"--memory", "memory_bytes"},
+    {"--merge", "pipeline.merge"},
+    {"--occlusion", "pipeline.occlusion"},
+    {"--opacity-threshold", "opacity_threshold"},
+    {"--over", "over"},
+    {"--page", "page"},
+    {"--pages", "pipeline.pages"},
+    {"--partition", "pipeline.partition"},
+    {"--pixel-error", "pixel_error"},
+    {"--policy", "pipeline.policy"},
+    {"--seed", "pipeline.seed"},
+    {"--simd", "pipeline.simd"},
+    {"--size", "width and height"},
+    {"--skip", "skip_bytes"},
+    {"--spacing", "spacing"},
+    {"--this-step", "whole_series"},
+    {"--threads", "threads"},
+    {"--time-limit", "time_limit_s"},
+    {"--time-steps", "time_steps"},
+    {"--type", "type"},
+});
+
+std::string fieldOf(std::string_view option) {
+  for (const OptionEntry& entry : optionTable()) {
+    const std::vector<std::string_view> names = optionNames(entry);
+    if (!entry.field.empty() && std::ranges::find(names, option) != names.end()) return entry.field;
+  }
+  const auto* field = std::ranges::find(kFields, option, &Field::option);
+  return std::string(field == kFields.end() ? option : field->name);
+}
+
+}  // namespace
+
+std::string inFields(std::string_view line) {
+  return renamed(line, fieldOf);
+}
+
+}  // namespace sluice
