@@ -6,6 +6,7 @@
 #include <set>
 #include <sstream>
 
+#include "src/options/option_table.h"
 #include "tests/tools/program.h"
 #include "tools/command_line/help.h"
 #include "tools/command_line/near_miss.h"
@@ -129,6 +130,25 @@ TEST(CommandLine, helpIsShortAndHelpAllIsWhole) {
     EXPECT_NE(brief.find(rest), std::string::npos) << brief;
   }
   EXPECT_EQ(program.run("info --help-all").status, 2);
+}
+
+// The options that --help of render shows, by hand: whether an option is rare is said where it is
+// described, and here a wrong word about it shows.
+TEST(CommandLine, helpHasTheOptionsThatPicturesOftenNeed) {
+  const std::set<std::string> often = {
+      "--annotate", "--azimuth", "--background", "--channel",   "--clip",        "--crop",
+      "--device",   "--dims",    "--elevation",  "--force",     "--frames",      "--help",
+      "--help-all", "--iso",     "--json",       "--keep-thin", "--label",       "--labels",
+      "--levels",   "--look",    "--map",        "--memory",    "--mode",        "--no-shade",
+      "--opacity",  "--output",  "--over",       "--path",      "--progressive", "--projection",
+      "--quiet",    "--range",   "--report",     "--shade",     "--size",        "--spacing",
+      "--state",    "--threads", "--threshold",  "--time",      "--time-limit",  "--transfer",
+      "--type",     "--view",    "--zoom"};
+  std::set<std::string> listed;
+  for (const std::string& line : linesOf(Program().run("render --help").output))
+    if (const size_t at = line.find("--"); at == 6)
+      listed.insert(line.substr(at, line.find(' ', at) - at));
+  EXPECT_EQ(listed, often);
 }
 
 TEST(CommandLine, theOverviewIsTwentyFiveLinesThatNameEveryCommand) {
@@ -338,9 +358,15 @@ TEST(CommandLine, distancesAreThoseOfInsertingDeletingReplacingAndSwapping) {
 
 TEST(CommandLine, aFlagsWrongValueIsNamedOnce) {
   const Program program;
-  for (const char* option : {"--shadows", "--occlusion-light", "--depth-cueing", "--jitter"})
-    EXPECT_EQ(program.run("render synth:cube -o a.png " + std::string(option) + "=2").output,
-              "sluice: " + std::string(option) + ": expected a number from 0 to 1, found '2'\n");
+  size_t tried = 0;
+  for (const OptionEntry& entry : optionTable()) {
+    if (entry.kind.bare.empty()) continue;
+    ++tried;
+    const std::string option(entry.option);
+    EXPECT_EQ(program.run("render synth:cube -o a.png " + option + "=2").output,
+              "sluice: " + option + ": expected a number from 0 to 1, found '2'\n");
+  }
+  EXPECT_GE(tried, 4U);
 }
 
 TEST(CommandLine, aFullDeviceOrAClosedOutputIsStatusOne) {

@@ -12,26 +12,8 @@ namespace {
 
 constexpr size_t kNamesColumns = 30;  // left column; longer names have a line of their own
 
-// Commands whose --help is short, and what it leaves out.
+// Commands whose --help is short.
 constexpr std::array<std::string_view, 3> kDrawing = {"render", "view", "plan"};
-constexpr std::array<std::string_view, 55> kRare = {
-    // how bytes and numbers of a file are taken
-    "endian", "skip", "grid", "this-step", "index-dir", "cache", "cache-dir",
-    // outputs
-    "aov", "trace", "debug-view", "verify", "rate", "continue",
-    // the camera by numbers
-    "fov", "eye", "target", "up", "fit",
-    // the look in detail
-    "opacities", "modulate", "full-gradient", "step", "opacity-threshold", "labels-table", "light",
-    "attenuation", "combine", "ambient", "diffuse", "specular", "shadows", "occlusion-light",
-    "depth-cueing", "quality", "jitter",
-    // how a picture is made, with the same result
-    "algorithm", "merge", "partition", "occlusion", "culling", "difference", "directions", "part",
-    "detail", "basis",
-    // levels of resolution in detail
-    "level", "max-bytes", "pixel-error",
-    // the texture cache and the machine
-    "simd", "gl", "page", "pages", "block", "policy", "seed"};
 
 std::string firstLine(const std::string& text) {
   return text.substr(0, text.find('\n'));
@@ -45,11 +27,6 @@ std::string namesOf(const CLI::Option& option) {
   text += "--" + option.get_lnames().front();
   if (option.get_expected_max() != 0) text += " " + option.get_type_name();
   return text;
-}
-
-bool isShown(const CLI::App& app, const CLI::Option& option, CLI::AppFormatMode mode) {
-  if (mode == CLI::AppFormatMode::All || option.get_positional()) return true;
-  return !hasShortHelp(app) || std::ranges::find(kRare, option.get_lnames().front()) == kRare.end();
 }
 
 std::string lineOf(const CLI::Option& option) {
@@ -74,6 +51,21 @@ std::string described(const CLI::App& app) {
 }
 
 }  // namespace
+
+void noteRare(const CLI::App& app, const CLI::Option& option) {
+  if (auto* const formatter = dynamic_cast<HelpFormatter*>(app.get_formatter().get()))
+    formatter->noteRare(app, option);
+}
+
+void HelpFormatter::noteRare(const CLI::App& app, const CLI::Option& option) {
+  rare_.emplace(&app, option.get_name());
+}
+
+bool HelpFormatter::isShown(const CLI::App& app, const CLI::Option& option,
+                            CLI::AppFormatMode mode) const {
+  return mode == CLI::AppFormatMode::All || !hasShortHelp(app) ||
+         !rare_.contains({&app, option.get_name()});
+}
 
 bool hasShortHelp(const CLI::App& command) {
   return command.get_parent() != nullptr && command.get_parent()->get_parent() == nullptr &&

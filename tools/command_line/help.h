@@ -4,7 +4,9 @@
 
 #include <CLI/CLI.hpp>
 
+#include <set>
 #include <string>
+#include <utility>
 
 namespace sluice {
 
@@ -17,7 +19,17 @@ class HelpFormatter : public CLI::Formatter {
  public:
   std::string make_help(const CLI::App* app, std::string name,
                         CLI::AppFormatMode mode) const override;
+  // A picture rarely needs this option. `app`: the command that has it.
+  void noteRare(const CLI::App& app, const CLI::Option& option);
+
+ private:
+  bool isShown(const CLI::App& app, const CLI::Option& option, CLI::AppFormatMode mode) const;
+
+  std::set<std::pair<const CLI::App*, std::string>> rare_;  // commands and names of options
 };
+
+// Tells the command's HelpFormatter, if it has one.
+void noteRare(const CLI::App& app, const CLI::Option& option);
 
 // A command whose --help leaves options out.
 bool hasShortHelp(const CLI::App& command);

@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "src/base/values/bytes.h"
+#include "tools/command_line/help.h"
 #include "tools/command_line/near_miss.h"
 #include "tools/command_line/parse.h"
 
@@ -53,7 +54,13 @@ CLI::Option* OptionGroup::offering(CLI::Option* option, const std::vector<std::s
 
 CLI::Option* OptionGroup::flag(const std::string& names, bool& on, const std::string& help) const {
   // A value is refused in usage.cpp, by the word that was given.
-  return app_.add_flag(names, on, help)->disable_flag_override()->group(heading_);
+  return placed(app_.add_flag(names, on, help)->disable_flag_override());
+}
+
+CLI::Option* OptionGroup::flag(const std::string& names, const std::function<void()>& take,
+                               const std::string& help) const {
+  const auto told = [take](const std::string& /*word*/) { take(); };
+  return placed(app_.add_flag(names, help)->each(told)->disable_flag_override());
 }
 
 CLI::Option* OptionGroup::numbers(const std::string& names, const std::string& what, size_t count,
@@ -108,7 +115,12 @@ CLI::Option* OptionGroup::word(const std::string& names, const std::vector<std::
 CLI::Option* OptionGroup::add(const std::string& names, const std::string& what,
                               const std::string& help,
                               const std::function<void(const std::string&)>& take) const {
-  return app_.add_option_function<std::string>(names, take, help)->type_name(what)->group(heading_);
+  return placed(app_.add_option_function<std::string>(names, take, help)->type_name(what));
+}
+
+CLI::Option* OptionGroup::placed(CLI::Option* option) const {
+  if (is_rare_) noteRare(app_, *option);
+  return option->group(heading_);
 }
 
 std::string OptionGroup::chooseName(const std::vector<std::string>& words) {

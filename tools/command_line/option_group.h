@@ -6,6 +6,7 @@
 //   view.number("--zoom", "FACTOR", options.camera.zoom, {0, 1e6, true}, "1 fits the volume");
 //   view.choice("--mode", modes(), options.mode, "How samples along a ray combine");
 //   view.flag("--shade", look.shade, "Gradient Phong lighting");
+//   view.rare().number("--fov", "DEGREES", camera.fov, {1, 179}, "Vertical field of view");
 //
 // A value that is refused is a usage error with the option's name, the allowed values, the value
 // found, and the word that was probably meant.
@@ -64,7 +65,18 @@ class OptionGroup {
   // `app` must outlive the call alone.
   OptionGroup(CLI::App& app, std::string heading) : app_(app), heading_(std::move(heading)) {}
 
+  // The same group for options that pictures rarely need: the --help of the commands that draw
+  // leaves them out.
+  OptionGroup rare() const {
+    OptionGroup group(*this);
+    group.is_rare_ = true;
+    return group;
+  }
+
   CLI::Option* flag(const std::string& names, bool& on, const std::string& help) const;
+  // A flag without a variable of its own; `take` is called if it is given.
+  CLI::Option* flag(const std::string& names, const std::function<void()>& take,
+                    const std::string& help) const;
 
   // double, int64_t, uint64_t, int, or an optional of these.
   template <class Number>
@@ -172,12 +184,14 @@ class OptionGroup {
       if (!value) throw CLI::ValidationError("expected " + expected + ", found '" + word + "'");
       take(*value);
     };
-    return app_.add_flag(name + "{" + bare + "}", help)->each(check)->group(heading_);
+    return placed(app_.add_flag(name + "{" + bare + "}", help)->each(check));
   }
 
  private:
   CLI::Option* add(const std::string& names, const std::string& what, const std::string& help,
                    const std::function<void(const std::string&)>& take) const;
+  // Puts the option under the heading.
+  CLI::Option* placed(CLI::Option* option) const;
   // Keeps the words for offeredWords().
   static CLI::Option* offering(CLI::Option* option, const std::vector<std::string>& words);
   // The placeholder of the value in --help: the words if they are few, else NAME.
@@ -218,6 +232,7 @@ class OptionGroup {
 
   CLI::App& app_;
   const std::string heading_;
+  bool is_rare_ = false;
 };
 
 }  // namespace sluice

@@ -173,28 +173,30 @@ Command addRender(CLI::App& program) {
   addFramesOption(film, arguments->frames, "Pictures of a full turn, or along the path");
   film.text("--path", "FILE", arguments->path_file,
             "Key frames of the camera, JSON: for --frames pictures, or along a range of --time");
-  film.number("--rate", "FPS", arguments->frames_per_second, {0, 1000, true},
-              "Frames per second of an .mp4 file");
+  film.rare().number("--rate", "FPS", arguments->frames_per_second, {0, 1000, true},
+                     "Frames per second of an .mp4 file");
   OptionGroup(*app, "View")
       .text("--state", "FILE", arguments->state_file,
             "Draws a view saved by sluice view, and its volume; further options replace its own. "
             "With -o frame_%04d.png, draws the frames of the saved path");
   output.flag("--annotate", arguments->annotate,
               "PNG: draws orientation axes, a scale bar and a colour bar");
-  output.parsed(
+  output.rare().parsed(
       "--aov", "LIST", "depth, opacity, both with a comma between, or none", parseAovs,
       [arguments](const Aovs& aovs) { arguments->aovs = aovs; },
       "EXR: channels in addition to colour and alpha: depth, opacity or none", "depth");
-  output.text("--trace", "FILE", arguments->trace_file,
-              "Records the texture cache's requests: text (.txt), .csv, .oracleGeneral, .din, "
-              "otherwise compact binary");
+  output.rare().text(
+      "--trace", "FILE", arguments->trace_file,
+      "Records the texture cache's requests: text (.txt), .csv, .oracleGeneral, .din, "
+      "otherwise compact binary");
   addReportOption(output, arguments->report_file);
-  output.flag("--debug-view", arguments->debug_view,
-              "Also writes the boxes drawn between updates of the opacity map, the maps, and the "
-              "growing boxes of the middle slice");
-  output.flag("--verify", arguments->verify,
-              "Also draws the picture without acceleration, and prints the largest and mean "
-              "difference and what it cannot check");
+  output.rare().flag(
+      "--debug-view", arguments->debug_view,
+      "Also writes the boxes drawn between updates of the opacity map, the maps, and the "
+      "growing boxes of the middle slice");
+  output.rare().flag("--verify", arguments->verify,
+                     "Also draws the picture without acceleration, and prints the largest and mean "
+                     "difference and what it cannot check");
   output.flag(
       "--progressive", arguments->progressive,
       "Volumes with levels of resolution, and large ones: writes a coarse picture first and "
@@ -206,6 +208,7 @@ Command addRender(CLI::App& program) {
   addFrameOptions(*app, arguments->frame);
   addCullingOptions(*app, arguments->culling, true);
   OptionGroup(*app, kSeriesHeading)
+      .rare()
       .flag("--continue", arguments->resume, "Draws only the pictures that do not exist yet");
   addLevelOptions(*app, arguments->levels, arguments->resources);
   addResourceOptions(*app, arguments->resources);

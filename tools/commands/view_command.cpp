@@ -137,8 +137,8 @@ Command addView(CLI::App& program) {
   addOverOption(*app, arguments->volume);
   const OptionGroup output(*app, kOutputHeading);
   output.text("--state", "FILE", arguments->state_file, "Opens a saved view and its volume");
-  output.text("--trace", "FILE", arguments->trace_file,
-              "Records the texture cache's requests, for sluice simulate");
+  output.rare().text("--trace", "FILE", arguments->trace_file,
+                     "Records the texture cache's requests, for sluice simulate");
   output.text("--log", "FILE", arguments->log_file,
               "Writes events, a JSON object per line: places of controls, pictures, measurements");
   arguments->asked = addPictureOptions(*app, arguments->look, arguments->frame, arguments->fit);

@@ -3,7 +3,7 @@
 namespace sluice {
 
 void addCullingOptions(CLI::App& app, CullingArguments& arguments, bool chooses) {
-  const OptionGroup group(app, kSeriesHeading);
+  const OptionGroup group = OptionGroup(app, kSeriesHeading).rare();
   if (chooses)
     group.choice("--culling",
                  Words<Culling>{{"none", Culling::kNone},

@@ -9,11 +9,11 @@ void addLevelOptions(CLI::App& app, LevelArguments& arguments, ResourceArguments
   const OptionGroup group(app, kLevelsHeading);
   CLI::Option* level =
       addLevelOption(group, arguments.level, "Draws this level only; 0 is the data as stored");
-  group
+  group.rare()
       .number("--pixel-error", "PIXELS", arguments.pixel_error, {0, 1e6, true},
               "Draws each part at the coarsest level whose voxels are at most this wide (1)")
       ->excludes(level);
-  group
+  group.rare()
       .bytes("--max-bytes", arguments.max_bytes,
              "Refines levels until the blocks of a picture would exceed this many bytes of stored "
              "voxels (no limit)")
@@ -28,7 +28,7 @@ void addLevelOptions(CLI::App& app, LevelArguments& arguments, ResourceArguments
 CLI::Option* addLevelOption(const OptionGroup& group, std::optional<int64_t>& level,
                             const std::string& help) {
   constexpr int64_t kMostLevel = 63;
-  return group.number("--level", "N", level, {0, kMostLevel}, help);
+  return group.rare().number("--level", "N", level, {0, kMostLevel}, help);
 }
 
 void addLevelsOption(const OptionGroup& group, MachineOptions& machine) {

@@ -71,8 +71,8 @@ void addLookOptions(CLI::App& app, const AskedView& asked, LookArguments& look,
   });
   for (CLI::Option* of_labels : {labels, label_table, label_looks})
     for (CLI::Option* other : {threshold, transfer, points, surfaces}) other->excludes(of_labels);
-  group.flag("--this-step", look.this_step,
-             "Series: computes look and fit from the drawn step alone");
+  group.rare().flag("--this-step", look.this_step,
+                    "Series: computes look and fit from the drawn step alone");
   CLI::Option* opacity = table.add(
       "--opacity", [&look](const ViewState& state) { look.opacity = state.look.opacity; });
   // Points given with a file replace its own; its colours stay.
@@ -88,7 +88,7 @@ void addLookOptions(CLI::App& app, const AskedView& asked, LookArguments& look,
       .flag("--no-shade", look.no_shade,
             "No lighting; without this option, pictures that show surfaces are lit")
       ->excludes(shade);
-  CLI::Option* modulate = light.flag(
+  CLI::Option* modulate = light.rare().flag(
       "--modulate", look.modulate,
       "Multiplies the opacity by a ramp of the gradient's magnitude, 0 where the volume is flat");
   TableOptions(app, "Light", asked)

@@ -35,14 +35,15 @@ void addDeviceOptions(const OptionGroup& group, DeviceArguments& arguments) {
           {"auto", DeviceChoice::kAuto}, {"gl", DeviceChoice::kGl}, {"cpu", DeviceChoice::kCpu}},
       arguments.device,
       "Device that draws: auto uses GL on a GPU or if --gl is given, else the CPU");
-  group.choice("--gl", wordsOf<GlChoice>(kGlChoices, [](GlChoice each) { return name(each); }),
-               arguments.gl, "Library for OpenGL contexts");
+  group.rare().choice("--gl",
+                      wordsOf<GlChoice>(kGlChoices, [](GlChoice each) { return name(each); }),
+                      arguments.gl, "Library for OpenGL contexts");
 }
 
 void addSimdOption(const OptionGroup& group, DeviceArguments& arguments) {
-  group.choice("--simd",
-               wordsOf<SimdTarget>(kSimdTargets, [](SimdTarget each) { return name(each); }),
-               arguments.simd, "Best instruction set that the CPU device may use");
+  group.rare().choice("--simd",
+                      wordsOf<SimdTarget>(kSimdTargets, [](SimdTarget each) { return name(each); }),
+                      arguments.simd, "Best instruction set that the CPU device may use");
 }
 
 void addMemoryOption(const OptionGroup& group, MachineOptions& machine) {
@@ -64,8 +65,9 @@ void addForceOption(const OptionGroup& group, bool& force) {
 }
 
 void addIndexDirOption(const OptionGroup& group, std::string& folder) {
-  group.text("--index-dir", "DIR", folder,
-             "Folder for the indices of volumes ($SLUICE_INDEX_DIR, or the user's cache folder)");
+  group.rare().text(
+      "--index-dir", "DIR", folder,
+      "Folder for the indices of volumes ($SLUICE_INDEX_DIR, or the user's cache folder)");
 }
 
 void addJsonOption(const OptionGroup& group, bool& json, const std::string& help) {
@@ -76,11 +78,11 @@ namespace {
 
 // The size of blocks: a page gives it, if no block does.
 void addBlockOptions(const OptionGroup& group, ResourceArguments& arguments) {
-  group.parsed(
+  group.rare().parsed(
       "--page", "AxBxC", kPageSizes, parsePageOption,
       [&arguments](Vec3i page) { arguments.page_vox = page; },
       "Size of a texture page in voxels (the size that takes 64 KiB)");
-  group.parsed(
+  group.rare().parsed(
       "--block", "2^d", fmt::format("a power of two from {} to {}", kLeastBlock, kMostBlock),
       [](const std::string& word) { return powerOfTwo(word, kLeastBlock, kMostBlock); },
       [&arguments](int64_t block) { arguments.block = block; },
@@ -102,16 +104,16 @@ void addResourceOptions(CLI::App& app, ResourceArguments& arguments) {
   const OptionGroup group(app, kMachineHeading);
   addDeviceOptions(group, arguments.device);
   addSimdOption(group, arguments.device);
-  group.parsed(
+  group.rare().parsed(
       "--pages", "N", fmt::format("a power of two from 1 to {}", kMostCachePages),
       [](const std::string& word) { return powerOfTwo(word, 1, kMostCachePages); },
       [&arguments](int64_t pages) { arguments.pages = pages; },
       "Pages of the texture cache, a power of two (as many as memory allows)");
   const Words<PolicyKind> policies =
       wordsOf<PolicyKind>(onlinePolicies(), [](PolicyKind kind) { return name(kind); });
-  group.choice("--policy", policies, arguments.policy,
-               "Replacement policy of the texture cache: " + listed(namesOf(policies)));
-  group.number("--seed", "N", arguments.seed, {}, "Seed of the random policy");
+  group.rare().choice("--policy", policies, arguments.policy,
+                      "Replacement policy of the texture cache: " + listed(namesOf(policies)));
+  group.rare().number("--seed", "N", arguments.seed, {}, "Seed of the random policy");
 }
 
 void takeIdleOptions(CLI::App& app) {

@@ -182,6 +182,7 @@ CLI::Option* TableOptions::add(const std::string& names,
                                const std::function<void(const ViewState&)>& take,
                                const std::string& shown) const {
   const OptionEntry& entry = optionEntry(names.substr(names.find("--")));
+  const OptionGroup group = entry.is_rare ? group_.rare() : group_;
   const auto parse = [&entry](const std::string& word) {
     auto value = readWord(entry, word);
     return value && !faultOf(entry, *value) ? value : std::nullopt;
@@ -192,13 +193,13 @@ CLI::Option* TableOptions::add(const std::string& names,
   };
   const std::string help(entry.help), as_default = shown.empty() ? shownOf(entry, *asked_) : shown;
   if (!entry.kind.bare.empty())
-    return group_.valuedFlag(names, std::string(entry.kind.bare), expectedOf(entry), parse, keep,
-                             help);
+    return group.valuedFlag(names, std::string(entry.kind.bare), expectedOf(entry), parse, keep,
+                            help);
   if (entry.kind.form == OptionForm::kWord)
-    return group_.word(names, {entry.kind.words.begin(), entry.kind.words.end()}, keep, help,
-                       as_default);
-  return group_.parsed(names, std::string(entry.value), expectedOf(entry), parse, keep, help,
-                       as_default);
+    return group.word(names, {entry.kind.words.begin(), entry.kind.words.end()}, keep, help,
+                      as_default);
+  return group.parsed(names, std::string(entry.value), expectedOf(entry), parse, keep, help,
+                      as_default);
 }
 
 }  // namespace sluice

@@ -88,26 +88,26 @@ void addDrawingOptions(CLI::App& app, const AskedView& asked, FrameOptions& opti
 }  // namespace
 
 void addFrameOptions(CLI::App& app, FrameOptions& options) {
-  const OptionGroup group(app, "Drawing");
-  group.choice(
+  const OptionGroup group(app, "Drawing"), rare = group.rare();
+  rare.choice(
       "--algorithm", wordsOf<Algorithm>(kAlgorithms, [](Algorithm each) { return name(each); }),
       options.algorithm, "How blocks are trimmed and merged: algorithms I to IV of Tong 1999");
-  group.choice("--merge",
-               wordsOf<MergeOrder>(kMergeOrders, [](MergeOrder each) { return name(each); }),
-               options.merge_order, "Order of the merge operations");
-  group.choice("--partition",
-               wordsOf<Partition>(kPartitions, [](Partition each) { return name(each); }),
-               options.partition,
-               "Draws the object box of each block, or its visible growing boxes, which are "
-               "computed once for a volume and kept with its index");
-  group.choice("--occlusion",
-               wordsOf<Occlusion>(kOcclusions, [](Occlusion each) { return name(each); }),
-               options.occlusion,
-               "Skips hidden parts: cull skips hidden boxes, clip also skips hidden parts of "
-               "boxes; map makes the opacity map but skips nothing");
-  group.number("--opacity-threshold", "A", options.opacity_threshold, {0, 1, true},
-               "Opacity from which a ray hides everything behind it; 1 changes no picture (1; with "
-               "--occlusion or --culling 0.95)");
+  rare.choice("--merge",
+              wordsOf<MergeOrder>(kMergeOrders, [](MergeOrder each) { return name(each); }),
+              options.merge_order, "Order of the merge operations");
+  rare.choice("--partition",
+              wordsOf<Partition>(kPartitions, [](Partition each) { return name(each); }),
+              options.partition,
+              "Draws the object box of each block, or its visible growing boxes, which are "
+              "computed once for a volume and kept with its index");
+  rare.choice("--occlusion",
+              wordsOf<Occlusion>(kOcclusions, [](Occlusion each) { return name(each); }),
+              options.occlusion,
+              "Skips hidden parts: cull skips hidden boxes, clip also skips hidden parts of "
+              "boxes; map makes the opacity map but skips nothing");
+  rare.number("--opacity-threshold", "A", options.opacity_threshold, {0, 1, true},
+              "Opacity from which a ray hides everything behind it; 1 changes no picture (1; with "
+              "--occlusion or --culling 0.95)");
   group.parsed(
       "--time-limit", "SECONDS", "a number from 0 to 1e+09, also with a unit, as in 1s or 500ms",
       parseSeconds, [&options](double seconds) { options.time_limit_s = seconds; },

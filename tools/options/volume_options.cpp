@@ -71,14 +71,14 @@ void addWebCacheOptions(const OptionGroup& group, WebCache& cache) {
     const auto bytes = parseBytes(word);
     return bytes && *bytes > 0 ? bytes : std::nullopt;
   };
-  group.parsed(
+  group.rare().parsed(
       "--cache", "BYTES", "a size above 0 and below 8 EiB, as in 512M or 20G", positive,
       [&cache](uint64_t bytes) {
         cache.budget_bytes = bytes;
         if (cache.folder.empty()) cache.folder = webCacheFolder();
       },
       "Keeps the data read from servers in a folder of at most this many bytes");
-  group.parsed(
+  group.rare().parsed(
       "--cache-dir", "DIR", "the name of a folder",
       [](const std::string& word) { return word.empty() ? std::nullopt : std::optional(word); },
       [&cache](const std::string& folder) {
@@ -118,17 +118,17 @@ void addVolumeOptions(CLI::App& app, VolumeArguments& arguments, std::optional<T
                 {VoxelType::kU8, VoxelType::kI8, VoxelType::kU16, VoxelType::kI16, VoxelType::kU32,
                  VoxelType::kI32, VoxelType::kF32, VoxelType::kF64},
                 arguments.open.type, "Raw: voxel type");
-  group.choice("--endian",
-               Words<std::endian>{{"little", std::endian::little}, {"big", std::endian::big}},
-               arguments.open.byte_order, "Raw: byte order");
-  group.number("--skip", "BYTES", arguments.open.skip_bytes, {0, kMostSkipBytes},
-               "Raw: bytes before the voxels");
+  group.rare().choice(
+      "--endian", Words<std::endian>{{"little", std::endian::little}, {"big", std::endian::big}},
+      arguments.open.byte_order, "Raw: byte order");
+  group.rare().number("--skip", "BYTES", arguments.open.skip_bytes, {0, kMostSkipBytes},
+                      "Raw: bytes before the voxels");
   group.parsed(
       "--spacing", "X,Y,Z", "one number or X,Y,Z, each above 0, up to 1e+12", spacings,
       [&arguments](const std::vector<double>& n) { arguments.open.spacing = asVec3d(n); },
       "World units between voxels, instead of the file's");
-  group.text("--grid", "NAME", arguments.open.grid,
-             "OpenVDB: name of the grid; DICOM: number of the series");
+  group.rare().text("--grid", "NAME", arguments.open.grid,
+                    "OpenVDB: name of the grid; DICOM: number of the series");
   group.parsed(
       "--channel", "N|NAME,...", "a channel's number from 0 to 1000000, or its name", channel,
       [&arguments](const ChannelWish& wish) { arguments.open.channel = wish; },
