@@ -25,6 +25,8 @@ VolumeOptions::Web webAccess(const BucketAccess& buckets);
 MachineOptions machineOptions(const RendererOptions& options);
 
 LookArguments lookArguments(const LookOptions& look, bool whole_series);
+// Sets what the look sets, and leaves the rest of the arguments as it is.
+void setLook(const LookOptions& look, LookArguments& arguments);
 Mode modeOf(const LookOptions& look);
 
 // `framing`, but not `fit`, is the camera's.
@@ -33,8 +35,8 @@ FitChoice fitChoice(const ViewOptions& view);
 // An unset step_vox becomes 1; values that belong to the look are left out. Checks the crop box,
 // the time step and the camera against the volume.
 FrameOptions frameOptions(const PictureOptions& picture, const VolumeLayout& layout, Mode mode);
-void setLighting(const PictureOptions::Lighting& lighting, FrameOptions& options);
-void setQuality(PictureOptions::Quality quality, FrameOptions& options);
+// Sets the sampling and the light, as far as the picture sets them; it needs no volume.
+void setDrawing(const PictureOptions& picture, FrameOptions& options);
 // To be called once the mode and the levels to draw are set.
 void setPipeline(const PipelineOptions& pipeline, FrameOptions& options);
 ViewOptions::Framing framingOf(const Framing& framing);

@@ -80,6 +80,28 @@ void setByWord(const char* field, const std::string& word, const List& values, V
   failRequest("pipeline.{} \"{}\": expected one of {}", field, word, words);
 }
 
+void setLighting(const PictureOptions::Lighting& lighting, FrameOptions& options) {
+  Lighting& light = options.lighting;
+  if (lighting.key) {
+    for (const double angle : *lighting.key) requireFinite("lighting.key", angle);
+    const double degree = std::numbers::pi / 180;
+    const double aside = (*lighting.key)[0] * degree, up = (*lighting.key)[1] * degree;
+    light.lights[0].toward = {std::sin(aside) * std::cos(up), std::sin(up),
+                              std::cos(aside) * std::cos(up)};
+  }
+  const auto set = [](const char* field, const std::optional<double>& share, double& held) {
+    if (!share) return;
+    if (!(*share >= 0 && *share <= 1)) failRequest("{} {}: must be from 0 to 1", field, *share);
+    held = *share;
+  };
+  set("lighting.ambient", lighting.ambient, light.ambient);
+  set("lighting.diffuse", lighting.diffuse, light.diffuse);
+  set("lighting.specular", lighting.specular, light.specular);
+  set("lighting.shadows", lighting.shadows, light.shadows);
+  set("lighting.occlusion", lighting.occlusion, light.occlusion);
+  set("lighting.depth_cueing", lighting.depth_cueing, options.depth_cueing);
+}
+
 }  // namespace
 
 MachineOptions machineOptions(const RendererOptions& options) {
@@ -137,16 +159,27 @@ LookArguments lookArguments(const LookOptions& look, bool whole_series) {
   LookArguments arguments;
   arguments.first_picture = true;
   arguments.this_step = !whole_series;
-  arguments.threshold = look.threshold;
-  if (look.threshold) requireFinite("threshold", *look.threshold);
-  if (look.opacity && !(*look.opacity >= 0 && *look.opacity <= 1))
-    failRequest("opacity {}: must be from 0 to 1", *look.opacity);
-  arguments.opacity = look.opacity;
-  arguments.transfer_file = look.transfer_file;
-  arguments.map = look.map;
+  setLook(look, arguments);
+  return arguments;
+}
+
+void setLook(const LookOptions& look, LookArguments& arguments) {
+  if (look.threshold) {
+    requireFinite("threshold", *look.threshold);
+    arguments.threshold = look.threshold;
+  }
+  if (look.opacity) {
+    if (!(*look.opacity >= 0 && *look.opacity <= 1))
+      failRequest("opacity {}: must be from 0 to 1", *look.opacity);
+    arguments.opacity = look.opacity;
+  }
+  if (!look.transfer_file.empty()) arguments.transfer_file = look.transfer_file;
+  if (!look.map.empty()) arguments.map = look.map;
+  if (!look.opacities.empty()) arguments.opacities.clear();
   for (const LookOptions::Opacity& point : look.opacities)
     arguments.opacities.push_back({point.value, point.opacity});
-  arguments.label_table = look.label_table;
+  if (!look.label_table.empty()) arguments.label_table = look.label_table;
+  if (!look.label_looks.empty()) arguments.label_looks.clear();
   for (const LookOptions::Label& label : look.label_looks) {
     LabelLook own{label.first, label.last, label.color, label.opacity};
     if (parseLabelLook(labelLookText(own)) != own)
@@ -155,8 +188,8 @@ LookArguments lookArguments(const LookOptions& look, bool whole_series) {
           labelLookText(own));
     arguments.label_looks.push_back(std::move(own));
   }
-  arguments.labels =
-      look.labels || !arguments.label_table.empty() || !arguments.label_looks.empty();
+  if (look.labels || !arguments.label_table.empty() || !arguments.label_looks.empty())
+    arguments.labels = true;
   if (look.range) {
     for (const double end : *look.range) requireFinite("range", end);
     if ((*look.range)[0] == (*look.range)[1])
@@ -164,6 +197,7 @@ LookArguments lookArguments(const LookOptions& look, bool whole_series) {
                   (*look.range)[1]);
     arguments.range = {(*look.range)[0], (*look.range)[1]};
   }
+  if (!look.channels.empty()) arguments.channels.clear();
   for (const LookOptions::Channel& channel : look.channels) {
     ChannelLook own{.channel = channel.channel, .map = channel.map, .opacity = channel.opacity};
     if (channel.range) own.range = {(*channel.range)[0], (*channel.range)[1]};
@@ -176,6 +210,7 @@ LookArguments lookArguments(const LookOptions& look, bool whole_series) {
     arguments.channels.push_back(std::move(own));
   }
   if (look.combine == LookOptions::Combine::kBlend) arguments.combine = Combine::kBlend;
+  if (!look.surfaces.empty()) arguments.surfaces.clear();
   for (const LookOptions::Surface& surface : look.surfaces) {
     SurfaceLook own{surface.value, surface.opacity, surface.color};
     if (parseSurfaceLook(surfaceLookText(own)) != own)
@@ -190,16 +225,15 @@ LookArguments lookArguments(const LookOptions& look, bool whole_series) {
       failRequest("attenuation {}: must be from 0 to {}", *look.attenuation, kMostAttenuation);
     arguments.attenuation = *look.attenuation;
   }
-  arguments.shade = look.light == LookOptions::Light::kOn;
-  arguments.no_shade = look.light == LookOptions::Light::kOff;
-  arguments.modulate = look.full_gradient.has_value();
+  if (look.light == LookOptions::Light::kOn) arguments.shade = true;
+  if (look.light == LookOptions::Light::kOff) arguments.no_shade = true;
   if (look.full_gradient) {
     requireFinite("full_gradient", *look.full_gradient);
     if (!(*look.full_gradient > 0))
       failRequest("full_gradient {}: must be above 0", *look.full_gradient);
+    arguments.modulate = true;
     arguments.full_gradient = *look.full_gradient;
   }
-  return arguments;
 }
 
 Camera cameraOf(const ViewOptions& view) {
@@ -234,33 +268,19 @@ ViewOptions::Framing framingOf(const Framing& framing) {
   return {asArray(framing.target), framing.reach, framing.right, framing.up};
 }
 
-void setLighting(const PictureOptions::Lighting& lighting, FrameOptions& options) {
-  Lighting& light = options.lighting;
-  if (lighting.key) {
-    for (const double angle : *lighting.key) requireFinite("lighting.key", angle);
-    const double degree = std::numbers::pi / 180;
-    const double aside = (*lighting.key)[0] * degree, up = (*lighting.key)[1] * degree;
-    light.lights[0].toward = {std::sin(aside) * std::cos(up), std::sin(up),
-                              std::cos(aside) * std::cos(up)};
+void setDrawing(const PictureOptions& picture, FrameOptions& options) {
+  using Quality = PictureOptions::Quality;
+  if (picture.step_vox) options.step_vox = *picture.step_vox;
+  options.integrates = picture.quality != Quality::kPlain;
+  options.step_factor = picture.quality == Quality::kFast   ? 2
+                        : picture.quality == Quality::kHigh ? 0.5
+                                                            : 1;
+  if (picture.jitter) {
+    if (!(*picture.jitter >= 0 && *picture.jitter <= 1))
+      failRequest("jitter {}: must be from 0 to 1", *picture.jitter);
+    options.jitter = *picture.jitter;
   }
-  const auto set = [](const char* field, const std::optional<double>& share, double& held) {
-    if (!share) return;
-    if (!(*share >= 0 && *share <= 1)) failRequest("{} {}: must be from 0 to 1", field, *share);
-    held = *share;
-  };
-  set("lighting.ambient", lighting.ambient, light.ambient);
-  set("lighting.diffuse", lighting.diffuse, light.diffuse);
-  set("lighting.specular", lighting.specular, light.specular);
-  set("lighting.shadows", lighting.shadows, light.shadows);
-  set("lighting.occlusion", lighting.occlusion, light.occlusion);
-  set("lighting.depth_cueing", lighting.depth_cueing, options.depth_cueing);
-}
-
-void setQuality(PictureOptions::Quality quality, FrameOptions& options) {
-  options.integrates = quality != PictureOptions::Quality::kPlain;
-  options.step_factor = quality == PictureOptions::Quality::kFast   ? 2
-                        : quality == PictureOptions::Quality::kHigh ? 0.5
-                                                                    : 1;
+  setLighting(picture.lighting, options);
 }
 
 FrameOptions frameOptions(const PictureOptions& picture, const VolumeLayout& layout, Mode mode) {
@@ -268,12 +288,7 @@ FrameOptions frameOptions(const PictureOptions& picture, const VolumeLayout& lay
   options.camera = cameraOf(picture.view);
   options.size = {picture.width, picture.height};
   options.mode = mode;
-  if (picture.step_vox) options.step_vox = *picture.step_vox;
-  setQuality(picture.quality, options);
-  if (picture.jitter && !(*picture.jitter >= 0 && *picture.jitter <= 1))
-    failRequest("jitter {}: must be from 0 to 1", *picture.jitter);
-  options.jitter = picture.jitter.value_or(0);
-  setLighting(picture.lighting, options);
+  setDrawing(picture, options);
   resolve(options.camera, layout, options.size, options.step_vox);  // throws
   requireStep(picture.time, layout);
   requireFinite("pixel_error", picture.pixel_error);

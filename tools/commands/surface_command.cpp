@@ -123,10 +123,11 @@ Command addSurface(CLI::App& program) {
   surface.flag("--closed", arguments->surface.is_closed,
                "Closes the surface along the border of the volume or the crop");
   const auto asked = std::make_shared<ViewState>();
-  TableOptions(*app, "Surface", asked).add("--crop", [arguments](const ViewState& state) {
+  const auto take = [arguments](const ViewState& state) {
     const auto& [lo, hi] = *state.crop;
     arguments->surface.crop = Box3{{lo[0], lo[1], lo[2]}, {hi[0], hi[1], hi[2]}};
-  });
+  };
+  TableOptions(*app, asked, take).add("--crop", "", "Surface");
   const OptionGroup levels(*app, kLevelsHeading);
   addLevelOption(levels, arguments->level, "Level of resolution; 0 is the data as stored");
   addLevelsOption(levels, arguments->resources);

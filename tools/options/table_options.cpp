@@ -166,40 +166,58 @@ OptionValue oneMore(const OptionEntry& entry, const ViewState& asked, const List
   return all;
 }
 
-// The value of an option that may be given again.
+bool isGivenAgain(OptionForm form) {
+  return form == OptionForm::kPlanes || form == OptionForm::kChannels ||
+         form == OptionForm::kLabels;
+}
+
+// The value together with those that were given earlier, if the option may be given again.
 OptionValue withEarlier(const OptionEntry& entry, const ViewState& asked,
                         const OptionValue& value) {
   if (entry.kind.form == OptionForm::kPlanes)
     return oneMore(entry, asked, std::get<std::vector<OptionReals>>(value));
-  if (entry.kind.form == OptionForm::kChannels || entry.kind.form == OptionForm::kLabels)
+  if (isGivenAgain(entry.kind.form))
     return oneMore(entry, asked, std::get<std::vector<std::string>>(value));
   return value;
 }
 
 }  // namespace
 
-CLI::Option* TableOptions::add(const std::string& names,
-                               const std::function<void(const ViewState&)>& take,
-                               const std::string& shown) const {
+CLI::Option* TableOptions::add(const std::string& names, const std::string& shown,
+                               const std::string& heading) const {
   const OptionEntry& entry = optionEntry(names.substr(names.find("--")));
-  const OptionGroup group = entry.is_rare ? group_.rare() : group_;
+  const OptionGroup all(app_, heading.empty() ? std::string(entry.heading) : heading);
+  const OptionGroup group = entry.is_rare ? all.rare() : all;
   const auto parse = [&entry](const std::string& word) {
     auto value = readWord(entry, word);
     return value && !faultOf(entry, *value) ? value : std::nullopt;
   };
-  const auto keep = [&entry, take, asked = asked_](const OptionValue& value) {
+  const auto keep = [&entry, take = take_, asked = asked_](const OptionValue& value) {
     entry.set(*asked, withEarlier(entry, *asked, value));
     take(*asked);
   };
   const std::string help(entry.help), as_default = shown.empty() ? shownOf(entry, *asked_) : shown;
+  if (entry.kind.form == OptionForm::kFlag)
+    return group.flag(
+        names, [keep] { keep(true); }, help);
   if (!entry.kind.bare.empty())
     return group.valuedFlag(names, std::string(entry.kind.bare), expectedOf(entry), parse, keep,
                             help);
   if (entry.kind.form == OptionForm::kWord)
     return group.word(names, {entry.kind.words.begin(), entry.kind.words.end()}, keep, help,
                       as_default);
-  return group.parsed(names, std::string(entry.value), expectedOf(entry), parse, keep, help,
-                      as_default);
+  CLI::Option* option = group.parsed(names, std::string(entry.value), expectedOf(entry), parse,
+                                     keep, help, as_default);
+  return isGivenAgain(entry.kind.form) ? option->trigger_on_parse() : option;
+}
+
+void TableOptions::addRest(std::string_view heading, OptionPart part) const {
+  for (const OptionEntry& entry : optionTable()) {
+    const std::string option(entry.option);
+    if (entry.heading == heading && entry.part == part && !option.empty() &&
+        app_.get_option_no_throw(option) == nullptr)
+      add(option);
+  }
 }
 
 }  // namespace sluice

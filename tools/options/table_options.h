@@ -5,8 +5,10 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <utility>
 
+#include "src/options/option_table.h"
 #include "src/options/view_state.h"
 #include "tools/command_line/option_group.h"
 
@@ -18,18 +20,23 @@ using AskedView = std::shared_ptr<ViewState>;
 
 class TableOptions {
  public:
-  // `app` must outlive the options.
-  TableOptions(CLI::App& app, const std::string& heading, AskedView asked)
-      : group_(app, heading), asked_(std::move(asked)) {}
+  using Take = std::function<void(const ViewState&)>;
 
-  // Adds the option; once `asked` has its value, `take` is called. `names`: with a short name, if
-  // it has one. `shown`: the default in --help if `asked` does not hold it.
-  CLI::Option* add(const std::string& names, const std::function<void(const ViewState&)>& take,
-                   const std::string& shown = "") const;
+  // `app` must outlive the options. `take` gets the view whenever an option has changed it.
+  TableOptions(CLI::App& app, AskedView asked, Take take)
+      : app_(app), asked_(std::move(asked)), take_(std::move(take)) {}
+
+  // Adds an option. `names`: with a short name, if it has one. `shown`: the default in --help if
+  // `asked` does not hold it. `heading`: instead of the table's.
+  CLI::Option* add(const std::string& names, const std::string& shown = "",
+                   const std::string& heading = "") const;
+  // Adds the options of this heading and part that the command does not have yet.
+  void addRest(std::string_view heading, OptionPart part) const;
 
  private:
-  const OptionGroup group_;
+  CLI::App& app_;
   const AskedView asked_;
+  const Take take_;
 };
 
 }  // namespace sluice

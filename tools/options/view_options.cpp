@@ -11,6 +11,10 @@
 namespace sluice {
 namespace {
 
+Box3 cropOf(const PictureOptions::Box& box) {
+  return {{box.lo[0], box.lo[1], box.lo[2]}, {box.hi[0], box.hi[1], box.hi[2]}};
+}
+
 // "0.5", "1s" or "500ms".
 std::optional<double> parseSeconds(std::string word) {
   double unit = 1;
@@ -30,11 +34,11 @@ void addCameraOptions(CLI::App& app, const AskedView& asked, Camera& camera) {
   asked->view.azimuth_deg = camera.azimuth_deg;
   asked->view.elevation_deg = camera.elevation_deg;
   const auto take = [&camera](const ViewState& state) { camera = cameraOf(state.view); };
-  const TableOptions options(app, "View", asked);
-  options.add("--projection", take);
+  const TableOptions options(app, asked, take);
+  options.add("--projection");
   std::vector<std::string> views(from.kind.words.begin(), from.kind.words.end());
   std::rotate(views.begin(), views.begin() + 1, views.end());  // plain is the last
-  CLI::Option* view = OptionGroup(app, "View")
+  CLI::Option* view = OptionGroup(app, std::string(kViewHeading))
                           .word(
                               "--view", views,
                               [&from, take, asked](const std::string& word) {
@@ -44,51 +48,39 @@ void addCameraOptions(CLI::App& app, const AskedView& asked, Camera& camera) {
                               "Start of the camera: " + listed(views) +
                                   ", along -z with +y up whatever the axes mean",
                               std::string(name(camera.view)));
-  CLI::Option* azimuth = options.add("--azimuth", take);
-  CLI::Option* elevation = options.add("--elevation", take);
-  options.add("--zoom", take);
-  options.add("--fov", take);
-  CLI::Option* eye = options.add("--eye", take);
-  CLI::Option* target = options.add("--target", take);
-  options.add("--up", take);
+  CLI::Option* azimuth = options.add("--azimuth");
+  CLI::Option* elevation = options.add("--elevation");
+  options.add("--zoom");
+  options.add("--fov");
+  CLI::Option* eye = options.add("--eye");
+  CLI::Option* target = options.add("--target");
+  options.addRest(kViewHeading, OptionPart::kCamera);
   eye->needs(target)->excludes(view)->excludes(azimuth)->excludes(elevation);
   target->needs(eye);
 }
 
 void addDrawingOptions(CLI::App& app, const AskedView& asked, FrameOptions& options) {
-  const OptionGroup group(app, "Drawing");
-  const TableOptions table(app, "Drawing", asked);
-  group.parsed(
-      "-s,--size", "WxH", "WxH or one number for both, each from 1 to 65536", parsePictureSize,
-      [&options](PictureSize size) { options.size = size; }, "Pixels",
-      fmt::format("{}x{}", options.size.width, options.size.height));
-  table.add(
-      "--step", [&options](const ViewState& state) { options.step_vox = *state.step_vox; },
-      numberText(options.step_vox));
-  table.add("--quality",
-            [&options](const ViewState& state) { setQuality(state.quality, options); });
-  table.add("--jitter", [&options](const ViewState& state) { options.jitter = *state.jitter; });
-  const TableOptions light(app, "Light", asked);
-  for (const char* option : {"--light", "--ambient", "--diffuse", "--specular", "--shadows",
-                             "--occlusion-light", "--depth-cueing"})
-    light.add(option, [&options](const ViewState& state) { setLighting(state.lighting, options); });
-  table.add("--crop", [&options](const ViewState& state) {
-    const auto& [lo, hi] = *state.crop;
-    options.crop = Box3{{lo[0], lo[1], lo[2]}, {hi[0], hi[1], hi[2]}};
+  OptionGroup(app, std::string(kDrawingHeading))
+      .parsed(
+          "-s,--size", "WxH", "WxH or one number for both, each from 1 to 65536", parsePictureSize,
+          [&options](PictureSize size) { options.size = size; }, "Pixels",
+          fmt::format("{}x{}", options.size.width, options.size.height));
+  const TableOptions table(app, asked, [&options](const ViewState& state) {
+    setDrawing(state, options);
+    if (state.crop) options.crop = cropOf(*state.crop);
+    options.clip_planes.clear();
+    for (const auto& [n, offset] : state.clip_planes)
+      options.clip_planes.push_back({{n[0], n[1], n[2]}, offset});
   });
-  table
-      .add("--clip",
-           [&options](const ViewState& state) {
-             const auto& [n, offset] = state.clip_planes.back();
-             options.clip_planes.push_back({{n[0], n[1], n[2]}, offset});
-           })
-      ->trigger_on_parse();
+  table.add("--step", numberText(options.step_vox));
+  table.addRest(kDrawingHeading, OptionPart::kTop);
+  table.addRest(kLightHeading, OptionPart::kTop);
 }
 
 }  // namespace
 
 void addFrameOptions(CLI::App& app, FrameOptions& options) {
-  const OptionGroup group(app, "Drawing"), rare = group.rare();
+  const OptionGroup group(app, std::string(kDrawingHeading)), rare = group.rare();
   rare.choice(
       "--algorithm", wordsOf<Algorithm>(kAlgorithms, [](Algorithm each) { return name(each); }),
       options.algorithm, "How blocks are trimmed and merged: algorithms I to IV of Tong 1999");
@@ -133,8 +125,8 @@ AskedView addPictureOptions(CLI::App& app, LookArguments& look, FrameOptions& fr
   step->default_str("");
   step->description(step->get_description() +
                     " (1, or less if pixels are smaller than voxels or the picture is lit)");
-  TableOptions(app, "View", asked)
-      .add("--fit", [&fit](const ViewState& state) { fit = fitChoice(state.view); })
+  TableOptions(app, asked, [&fit](const ViewState& state) { fit = fitChoice(state.view); })
+      .add("--fit", "", std::string(kViewHeading))
       ->excludes(app.get_option("--eye"));
   return asked;
 }
