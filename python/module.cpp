@@ -220,6 +220,7 @@ PYBIND11_MODULE(_sluice, module) {
   module.def("open_array", &openArray);
   module.def("open_function", &openFunction);
   module.def("keywords", &pictureKeywords);
+  module.def("keyword_types", &pictureKeywordTypes);
   module.def("simulate", [](SimulationRequest request) {
     return run([&](const std::stop_token&) { return simulatedRows(request); });
   });

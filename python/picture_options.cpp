@@ -60,12 +60,15 @@ OptionReals colorOf(const std::string& keyword, const py::handle& value) {
           static_cast<double>(bits & 255) / 255};
 }
 
+// Whether True and False stand for two of the words, as in shade=True.
+bool isSwitch(const OptionEntry& entry) {
+  return std::ranges::find(entry.kind.words, "on") != entry.kind.words.end();
+}
+
 std::string wordOf(const OptionEntry& entry, const std::string& keyword, const py::handle& value) {
   const auto& words = entry.kind.words;
   const std::string expected = fmt::format("one of '{}'", fmt::join(words, "', '"));
-  // shade=True and False.
-  const bool is_switch = std::find(words.begin(), words.end(), "on") != words.end();
-  if (is_switch && py::isinstance<py::bool_>(value)) return value.cast<bool>() ? "on" : "off";
+  if (isSwitch(entry) && py::isinstance<py::bool_>(value)) return value.cast<bool>() ? "on" : "off";
   auto word = taken<std::string>(keyword, expected, value);
   if (std::find(words.begin(), words.end(), word) == words.end())
     failValue(keyword, expected, printed(value));
@@ -177,8 +180,53 @@ OptionValue valueOf(const OptionEntry& entry, const std::string& keyword, const 
   failType(keyword, "a value", value);
 }
 
-// The options of a picture that its view does not have.
-using PictureSetter = std::function<void(AskedPicture&, const py::handle&)>;
+// The type of an option's values for type checkers, in the words of __init__.pyi.
+std::string typeOf(const OptionEntry& entry) {
+  switch (entry.kind.form) {
+    case OptionForm::kFlag:
+      return "bool";
+    case OptionForm::kWhole:
+      return "int";
+    case OptionForm::kNumber:
+      return "float";
+    case OptionForm::kWord:
+      return fmt::format("{}Literal['{}']", isSwitch(entry) ? "bool | " : "",
+                         fmt::join(entry.kind.words, "', '"));
+    case OptionForm::kText:
+      return "str";
+    case OptionForm::kFile:
+      return "_Path";
+    case OptionForm::kColor:
+      return "str | _Triple";
+    case OptionForm::kVoxel:
+    case OptionForm::kBox:
+      return "Sequence[int]";
+    case OptionForm::kChannels:
+      return "Sequence[str]";
+    case OptionForm::kLabels:
+      return "Mapping[int | str, str] | Sequence[str] | str";
+    case OptionForm::kSurfaces:
+      return "float | str | Sequence[float | str | tuple[Any, ...]]";
+    case OptionForm::kPoints:
+      return "Mapping[float, float] | Sequence[Sequence[float]]";
+    case OptionForm::kPlanes:
+      return "Sequence[Sequence[float]]";
+    case OptionForm::kAngles:
+      return "tuple[float, float]";
+    case OptionForm::kRange:
+      return "Sequence[float]";
+    case OptionForm::kPlace:
+    case OptionForm::kDirection:
+      return "_Triple";
+  }
+  return "Any";
+}
+
+// An option of a picture that the table of options does not have.
+struct PictureKeyword {
+  std::string type;  // see KeywordType
+  std::function<void(PictureOptions&, const py::handle&)> set;
+};
 
 template <class T>
 void setNumber(const char* keyword, const char* expected, NumberRange<double> range,
@@ -187,7 +235,7 @@ void setNumber(const char* keyword, const char* expected, NumberRange<double> ra
   if (!range.holds(static_cast<double>(held))) failValue(keyword, expected, printed(value));
 }
 
-void setSize(AskedPicture& asked, const py::handle& value) {
+void setSize(PictureOptions& picture, const py::handle& value) {
   constexpr const char* kExpected = "(width, height) or one number for both, each from 1 to 65536";
   std::array<int, 2> size{};
   if (py::isinstance<py::int_>(value)) {
@@ -197,47 +245,52 @@ void setSize(AskedPicture& asked, const py::handle& value) {
   }
   for (const int side : size)
     if (side < 1 || side > 65536) failValue("size", kExpected, printed(value));
-  asked.picture.width = size[0];
-  asked.picture.height = size[1];
+  picture.width = size[0];
+  picture.height = size[1];
 }
 
-const std::map<std::string, PictureSetter>& pictureSetters() {
-  static const std::map<std::string, PictureSetter> setters{
-      {"size", setSize},
+const std::map<std::string, PictureKeyword>& pictureOnlyKeywords() {
+  static const std::map<std::string, PictureKeyword> keywords{
+      {"size", {"int | tuple[int, int]", setSize}},
       {"pixel_error",
-       [](AskedPicture& asked, const py::handle& value) {
-         setNumber("pixel_error", "a number above 0", {0, 1e6, true}, value,
-                   asked.picture.pixel_error);
-       }},
+       {"float",
+        [](PictureOptions& picture, const py::handle& value) {
+          setNumber("pixel_error", "a number above 0", {0, 1e6, true}, value, picture.pixel_error);
+        }}},
       {"level",
-       [](AskedPicture& asked, const py::handle& value) {
-         setNumber("level", "a whole number from 0", {0, 60}, value, asked.picture.level.emplace());
-       }},
+       {"int",
+        [](PictureOptions& picture, const py::handle& value) {
+          setNumber("level", "a whole number from 0", {0, 60}, value, picture.level.emplace());
+        }}},
       {"max_bytes",
-       [](AskedPicture& asked, const py::handle& value) {
-         setNumber("max_bytes", "a number of bytes from 0", {0, 9e18}, value,
-                   asked.picture.max_bytes);
-       }},
+       {"int",
+        [](PictureOptions& picture, const py::handle& value) {
+          setNumber("max_bytes", "a number of bytes from 0", {0, 9e18}, value, picture.max_bytes);
+        }}},
       {"keep_thin",
-       [](AskedPicture& asked, const py::handle& value) {
-         asked.picture.keep_thin = taken<bool>("keep_thin", "True or False", value);
-       }},
+       {"bool",
+        [](PictureOptions& picture, const py::handle& value) {
+          picture.keep_thin = taken<bool>("keep_thin", "True or False", value);
+        }}},
       {"time_limit",
-       [](AskedPicture& asked, const py::handle& value) {
-         setNumber("time_limit", "seconds from 0", {0, 1e9}, value,
-                   asked.picture.time_limit_s.emplace());
-       }},
+       {"float",
+        [](PictureOptions& picture, const py::handle& value) {
+          setNumber("time_limit", "seconds from 0", {0, 1e9}, value,
+                    picture.time_limit_s.emplace());
+        }}},
       {"opacity_threshold",
-       [](AskedPicture& asked, const py::handle& value) {
-         setNumber("opacity_threshold", "a number above 0, up to 1", {0, 1, true}, value,
-                   asked.picture.opacity_threshold.emplace());
-       }},
+       {"float",
+        [](PictureOptions& picture, const py::handle& value) {
+          setNumber("opacity_threshold", "a number above 0, up to 1", {0, 1, true}, value,
+                    picture.opacity_threshold.emplace());
+        }}},
       {"depth",
-       [](AskedPicture& asked, const py::handle& value) {
-         asked.picture.with_depth = taken<bool>("depth", "True or False", value);
-       }},
+       {"",
+        [](PictureOptions& picture, const py::handle& value) {
+          picture.with_depth = taken<bool>("depth", "True or False", value);
+        }}},
   };
-  return setters;
+  return keywords;
 }
 
 const OptionEntry* entryOf(const std::string& keyword) {
@@ -288,18 +341,17 @@ void requireNoFault(const std::optional<ViewFault>& fault) {
 }  // namespace
 
 AskedPicture askedPicture(const py::kwargs& keywords, const VolumeInfo& volume) {
-  AskedPicture asked;
   ViewState state;
   for (const auto& [name, value] : keywords) {
     const auto keyword = name.cast<std::string>();
-    const auto setter = pictureSetters().find(keyword);
+    const auto own = pictureOnlyKeywords().find(keyword);
     const OptionEntry* const entry = entryOf(keyword);
-    if (setter == pictureSetters().end() && entry == nullptr)
+    if (own == pictureOnlyKeywords().end() && entry == nullptr)
       throw py::type_error(fmt::format("unexpected keyword '{}'; there are: {}", keyword,
                                        fmt::join(pictureKeywords(), ", ")));
     if (value.is_none()) continue;
     if (entry == nullptr) {
-      setter->second(asked, value);
+      own->second.set(state, value);
       continue;
     }
     const OptionValue taken_value = valueOf(*entry, keyword, value);
@@ -310,25 +362,20 @@ AskedPicture askedPicture(const py::kwargs& keywords, const VolumeInfo& volume) 
   requireOneLook(keywords);
   requireNoFault(faultOf(state));
   requireNoFault(faultOf(state, volume));
-  const PictureOptions of_view = pictureOf(state, asked.picture.width, asked.picture.height);
-  asked.picture.view = of_view.view;
-  asked.picture.time = of_view.time;
-  asked.picture.step_vox = of_view.step_vox;
-  asked.picture.quality = of_view.quality;
-  asked.picture.jitter = of_view.jitter;
-  asked.picture.lighting = of_view.lighting;
-  asked.picture.crop = of_view.crop;
-  asked.picture.clip_planes = of_view.clip_planes;
-  asked.look = state.look;
-  asked.background = state.background;
-  return asked;
+  return {state, state.look, state.background};
+}
+
+std::vector<KeywordType> pictureKeywordTypes() {
+  std::vector<KeywordType> types;
+  for (const auto& [keyword, own] : pictureOnlyKeywords()) types.emplace_back(keyword, own.type);
+  for (const OptionEntry& entry : optionTable())
+    if (!entry.option.empty()) types.emplace_back(keywordOf(entry), typeOf(entry));
+  return types;
 }
 
 std::vector<std::string> pictureKeywords() {
   std::vector<std::string> keywords;
-  for (const auto& [keyword, setter] : pictureSetters()) keywords.push_back(keyword);
-  for (const OptionEntry& entry : optionTable())
-    if (!entry.option.empty()) keywords.push_back(keywordOf(entry));
+  for (const auto& [keyword, type] : pictureKeywordTypes()) keywords.push_back(keyword);
   return keywords;
 }
 

@@ -7,6 +7,7 @@
 #include <sluice/options.h>
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "src/options/view_state.h"
@@ -25,7 +26,12 @@ struct AskedPicture {
 // ValueError for a value out of its range or a picture that does not fit the volume.
 AskedPicture askedPicture(const py::kwargs& keywords, const VolumeInfo& volume);
 
-// The keywords, in the table's order.
+// The keywords: those of a picture alone, and then the table's, in its order.
 std::vector<std::string> pictureKeywords();
+
+// A keyword and the type of its values, in the words of __init__.pyi; empty: a keyword that the
+// signatures there name by themselves.
+using KeywordType = std::pair<std::string, std::string>;
+std::vector<KeywordType> pictureKeywordTypes();
 
 }  // namespace sluice::python

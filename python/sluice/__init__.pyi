@@ -16,54 +16,8 @@ class Error(RuntimeError):
 
 class Cancelled(RuntimeError): ...
 
-class PictureOptions(TypedDict, total=False):
-    size: int | tuple[int, int] | None
-    pixel_error: float | None
-    level: int | None
-    max_bytes: int | None
-    keep_thin: bool | None
-    time_limit: float | None
-    opacity_threshold: float | None
-    projection: Literal['ortho', 'perspective'] | None
-    zoom: float | None
-    fov: float | None
-    up: _Triple | None
-    eye: _Triple | None
-    target: _Triple | None
-    view: Literal['plain', 'front', 'back', 'left', 'right', 'top', 'bottom', 'three-quarter'] | None
-    azimuth: float | None
-    elevation: float | None
-    fit: Literal['visible', 'volume'] | None
-    mode: Literal['composite', 'mip', 'minip', 'average', 'attenuated-mip', 'depth-mip'] | None
-    attenuation: float | None
-    shade: bool | Literal['chosen', 'on', 'off'] | None
-    threshold: float | None
-    opacity: float | None
-    opacities: Mapping[float, float] | Sequence[Sequence[float]] | None
-    transfer: _Path | None
-    labels: bool | None
-    label: Mapping[int | str, str] | Sequence[str] | str | None
-    labels_table: _Path | None
-    iso: float | str | Sequence[float | str | tuple[Any, ...]] | None
-    look: Sequence[str] | None
-    combine: Literal['add', 'blend'] | None
-    map: str | None
-    range: Sequence[float] | None
-    full_gradient: float | None
-    time: int | None
-    step: float | None
-    quality: Literal['plain', 'fast', 'normal', 'high'] | None
-    jitter: float | None
-    light: tuple[float, float] | None
-    ambient: float | None
-    diffuse: float | None
-    specular: float | None
-    shadows: float | None
-    occlusion_light: float | None
-    depth_cueing: float | None
-    crop: Sequence[int] | None
-    clip: Sequence[Sequence[float]] | None
-    background: str | _Triple | None
+# The build fills in the keywords that the module takes (python/write_stubs.py).
+class PictureOptions(TypedDict, total=False): ...
 
 def open(
     path: _Path | Iterable[_Path],
