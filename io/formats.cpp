@@ -1,7 +1,6 @@
 #include "io/formats.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <map>
 
@@ -9,7 +8,6 @@
 
 #include "io/dicom/dicom_folder.h"
 #include "io/dicom/dicom_source.h"
-#include "io/files/file.h"
 #include "io/files/file_list.h"
 #include "io/hdf5/bdv_xml.h"
 #include "io/hdf5/hdf5_images.h"
@@ -24,14 +22,12 @@
 #include "io/sequence.h"
 #include "io/slices/slice_picture.h"
 #include "io/slices/slice_stack.h"
-#include "io/stores/folder_store.h"
-#include "io/stores/zip_store.h"
 #include "io/synth/synth_source.h"
 #include "io/vdb/vdb_series.h"
 #include "io/vdb/vdb_source.h"
 #include "io/vtk/vtk_image.h"
 #include "io/vtk/vtk_source.h"
-#include "io/web/web_place.h"
+#include "io/web/address.h"
 #include "io/zarr/metadata/zarr_folder.h"
 #include "io/zarr/n5/n5_volume.h"
 #include "io/zarr/reading/zarr_source.h"
@@ -329,41 +325,6 @@ bool isNamed(const Format& format, const NamedInput& input, const OpenOptions& o
 std::span<const Format> formats() {
   static const std::vector<Format> all = makeFormats();
   return all;
-}
-
-NamedInput lookAt(const std::string& name, const OpenOptions& options) {
-  NamedInput input;
-  input.name = name;
-  if (isSynthSpec(name)) return input;
-  if (isAddress(name)) {
-    input.store = webPlace(name, options.web, options.stop);
-    return input;
-  }
-  input.file = name;
-  std::error_code missing;
-  if (const size_t end = name.find(":/"); end != name.npos && !fs::exists(input.file, missing)) {
-    input.file = name.substr(0, end);
-    input.inside = name.substr(end + 1);
-  }
-  input.is_folder = fs::is_directory(input.file, missing);
-  if (input.is_folder) {
-    if (!input.inside.empty())
-      fail(
-          "{}: expected an HDF5 or zip file in front of ':{}', found a folder; name what is in it, "
-          "'{}{}'",
-          input.file.string(), input.inside, input.file.string(), input.inside);
-    input.store = folderPlace(input.file);
-    return input;
-  }
-  std::array<std::byte, 4096> bytes{};
-  File file(input.file);
-  input.head.assign(reinterpret_cast<const char*>(bytes.data()), file.readSome(0, bytes));
-  if (isZip(input.head))
-    input.store = zipPlace(input.file, input.inside);
-  else if (!input.inside.empty() && !isHdf5(input.head))
-    fail("{}: expected an HDF5 or zip file in front of ':{}', found another kind",
-         input.file.string(), input.inside);
-  return input;
 }
 
 const Format& formatOf(const NamedInput& input, const OpenOptions& options) {

@@ -2,33 +2,17 @@
 // format is known and opened. A reader is added here and nowhere else.
 #pragma once
 
-#include <filesystem>
 #include <memory>
-#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "io/named_input.h"
 #include "io/open_options.h"
-#include "io/stores/chunk_store.h"
 #include "src/base/values/volume_source.h"
 
 namespace sluice {
-
-// A user's name for one volume, and what lies there.
-struct NamedInput {
-  std::string name;  // as it was given
-  std::filesystem::path
-      file;  // a file or folder of this machine; empty: an address, a synthetic volume
-  bool is_folder = false;
-  std::optional<StorePlace> store;  // a folder, an address, or what is in a zip file
-  std::string inside;  // the path of a data set inside the file, after its name and ':'
-  std::string head;    // the first bytes of a file, at most 4096
-};
-
-// Throws Error: there is no such file, or its first bytes cannot be read; no address.
-NamedInput lookAt(const std::string& name, const OpenOptions& options);
 
 struct Format {
   // Options that other formats refuse.

@@ -1,0 +1,52 @@
+#include "io/named_input.h"
+
+#include <array>
+
+#include "io/files/file.h"
+#include "io/hdf5/hdf5_input.h"
+#include "io/stores/folder_store.h"
+#include "io/stores/zip_store.h"
+#include "io/synth/synth_source.h"
+#include "io/web/web_place.h"
+#include "src/base/error.h"
+
+namespace sluice {
+
+namespace fs = std::filesystem;
+
+NamedInput lookAt(const std::string& name, const OpenOptions& options) {
+  NamedInput input;
+  input.name = name;
+  if (isSynthSpec(name)) return input;
+  if (isAddress(name)) {
+    input.store = webPlace(name, options.web, options.stop);
+    return input;
+  }
+  input.file = name;
+  std::error_code missing;
+  if (const size_t end = name.find(":/"); end != name.npos && !fs::exists(input.file, missing)) {
+    input.file = name.substr(0, end);
+    input.inside = name.substr(end + 1);
+  }
+  input.is_folder = fs::is_directory(input.file, missing);
+  if (input.is_folder) {
+    if (!input.inside.empty())
+      fail(
+          "{}: expected an HDF5 or zip file in front of ':{}', found a folder; name what is in it, "
+          "'{}{}'",
+          input.file.string(), input.inside, input.file.string(), input.inside);
+    input.store = folderPlace(input.file);
+    return input;
+  }
+  std::array<std::byte, 4096> bytes{};
+  File file(input.file);
+  input.head.assign(reinterpret_cast<const char*>(bytes.data()), file.readSome(0, bytes));
+  if (isZip(input.head))
+    input.store = zipPlace(input.file, input.inside);
+  else if (!input.inside.empty() && !isHdf5(input.head))
+    fail("{}: expected an HDF5 or zip file in front of ':{}', found another kind",
+         input.file.string(), input.inside);
+  return input;
+}
+
+}  // namespace sluice
