@@ -1,11 +1,11 @@
 #include "io/zarr/metadata/zarr_image.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <filesystem>
 
 #include "io/headers/volume_description.h"
+#include "io/zarr/metadata/omero_channels.h"
 #include "src/base/error.h"
 #include "src/base/files/json_field.h"
 
@@ -154,60 +154,6 @@ Vec3d vector(const JsonField& field) {
   return {n[0], n[1], n[2]};
 }
 
-std::vector<std::string> channelNames(const JsonField& omero) {
-  std::vector<std::string> names;
-  const auto channels = omero.isObject() ? omero.find("channels") : std::nullopt;
-  if (!channels || !channels->isArray()) return names;
-  const size_t count = channels->size();
-  for (size_t i = 0; i < count; ++i) {
-    const JsonField channel = (*channels)[i];
-    const auto label = channel.isObject() ? channel.find("label") : std::nullopt;
-    names.push_back(label && label->isText() ? printable(label->text()) : "");
-  }
-  return names;
-}
-
-// A text of six hexadecimal digits.
-std::optional<std::array<double, 3>> colorOf(const JsonField& field) {
-  if (!field.isText()) return std::nullopt;
-  std::string_view text = field.text();
-  if (text.starts_with('#')) text.remove_prefix(1);
-  unsigned rgb = 0;
-  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), rgb, 16);
-  if (text.size() != 6 || status != std::errc() || end != text.data() + text.size())
-    return std::nullopt;
-  return std::array{(rgb >> 16) / 255.0, (rgb >> 8 & 255) / 255.0, (rgb & 255) / 255.0};
-}
-
-// The part of a window that is shown, whose ends are two different numbers.
-std::optional<ValueRange> windowOf(const JsonField& field) {
-  if (!field.isObject()) return std::nullopt;
-  const auto start = field.find("start"), end = field.find("end");
-  if (!start || !end || !start->isNumber() || !end->isNumber()) return std::nullopt;
-  const ValueRange window{start->number(), end->number()};
-  return window.lo < window.hi ? std::optional(window) : std::nullopt;
-}
-
-// Viewers leave out what they do not use, and so do we: a channel with a damaged colour has none.
-std::vector<StoredLook> channelLooks(const JsonField& omero) {
-  std::vector<StoredLook> looks;
-  const auto channels = omero.isObject() ? omero.find("channels") : std::nullopt;
-  if (!channels || !channels->isArray()) return looks;
-  bool says_something = false;
-  for (size_t i = 0; i < channels->size(); ++i) {
-    const JsonField channel = (*channels)[i];
-    StoredLook& look = looks.emplace_back();
-    if (!channel.isObject()) continue;
-    if (const auto color = channel.find("color")) look.color = colorOf(*color);
-    if (const auto window = channel.find("window")) look.window = windowOf(*window);
-    if (const auto active = channel.find("active"); active && active->isFlag())
-      look.is_active = active->flag();
-    says_something = says_something || look.color || look.window;
-  }
-  if (!says_something) looks.clear();
-  return looks;
-}
-
 constexpr std::pair<const char*, WorldFrame> kFrames[] = {{"none", WorldFrame::kNone},
                                                           {"ras", WorldFrame::kRas},
                                                           {"lps", WorldFrame::kLps},
@@ -253,8 +199,8 @@ void parseAttributes(const JsonField& attributes, const JsonField& ome, const st
     image.axes = parseAxes(*names);
   }
   if (const auto omero = ome.find("omero")) {
-    image.channels = channelNames(*omero);
-    image.looks = channelLooks(*omero);
+    image.channels = omeroNames(*omero);
+    image.looks = omeroLooks(*omero);
   }
   if (const auto own = attributes.find("sluice")) parseOwn(*own, image);
 }

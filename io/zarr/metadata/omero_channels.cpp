@@ -1,0 +1,69 @@
+#include "io/zarr/metadata/omero_channels.h"
+
+#include <array>
+#include <charconv>
+#include <optional>
+#include <string_view>
+
+#include "src/base/files/json_field.h"
+
+namespace sluice {
+namespace {
+
+// A text of six hexadecimal digits.
+std::optional<std::array<double, 3>> colorOf(const JsonField& field) {
+  if (!field.isText()) return std::nullopt;
+  std::string_view text = field.text();
+  if (text.starts_with('#')) text.remove_prefix(1);
+  unsigned rgb = 0;
+  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), rgb, 16);
+  if (text.size() != 6 || status != std::errc() || end != text.data() + text.size())
+    return std::nullopt;
+  return std::array{(rgb >> 16) / 255.0, (rgb >> 8 & 255) / 255.0, (rgb & 255) / 255.0};
+}
+
+// The part of a window that is shown, whose ends are two different numbers.
+std::optional<ValueRange> windowOf(const JsonField& field) {
+  if (!field.isObject()) return std::nullopt;
+  const auto start = field.find("start"), end = field.find("end");
+  if (!start || !end || !start->isNumber() || !end->isNumber()) return std::nullopt;
+  const ValueRange window{start->number(), end->number()};
+  return window.lo < window.hi ? std::optional(window) : std::nullopt;
+}
+
+}  // namespace
+
+std::vector<std::string> omeroNames(const JsonField& omero) {
+  std::vector<std::string> names;
+  const auto channels = omero.isObject() ? omero.find("channels") : std::nullopt;
+  if (!channels || !channels->isArray()) return names;
+  const size_t count = channels->size();
+  for (size_t i = 0; i < count; ++i) {
+    const JsonField channel = (*channels)[i];
+    const auto label = channel.isObject() ? channel.find("label") : std::nullopt;
+    names.push_back(label && label->isText() ? printable(label->text()) : "");
+  }
+  return names;
+}
+
+// Viewers leave out what they do not use, and so do we: a channel with a damaged colour has none.
+std::vector<StoredLook> omeroLooks(const JsonField& omero) {
+  std::vector<StoredLook> looks;
+  const auto channels = omero.isObject() ? omero.find("channels") : std::nullopt;
+  if (!channels || !channels->isArray()) return looks;
+  bool says_something = false;
+  for (size_t i = 0; i < channels->size(); ++i) {
+    const JsonField channel = (*channels)[i];
+    StoredLook& look = looks.emplace_back();
+    if (!channel.isObject()) continue;
+    if (const auto color = channel.find("color")) look.color = colorOf(*color);
+    if (const auto window = channel.find("window")) look.window = windowOf(*window);
+    if (const auto active = channel.find("active"); active && active->isFlag())
+      look.is_active = active->flag();
+    says_something = says_something || look.color || look.window;
+  }
+  if (!says_something) looks.clear();
+  return looks;
+}
+
+}  // namespace sluice

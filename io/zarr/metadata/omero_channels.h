@@ -1,0 +1,18 @@
+// The channels of an OME-Zarr image: the member "omero" of its attributes. Pure functions.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "src/base/values/volume_channels.h"
+
+namespace sluice {
+
+class JsonField;
+
+// The channels' names, printable; an empty one has none. None at all: the member lists no channels.
+std::vector<std::string> omeroNames(const JsonField& omero);
+// Their looks, as many; empty: the member gives no colour and no window.
+std::vector<StoredLook> omeroLooks(const JsonField& omero);
+
+}  // namespace sluice
