@@ -9,6 +9,7 @@
 #include "tools/bench/bench.h"
 #include "tools/bench/picture_error.h"
 #include "tools/command_line/console.h"
+#include "tools/outputs/cut_report.h"
 #include "tools/outputs/report.h"
 
 namespace sluice {

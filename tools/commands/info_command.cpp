@@ -14,6 +14,7 @@
 #include "tools/command_line/console.h"
 #include "tools/commands/commands.h"
 #include "tools/options/shared_options.h"
+#include "tools/outputs/cut_report.h"
 #include "tools/outputs/report.h"
 #include "tools/scene/workers.h"
 

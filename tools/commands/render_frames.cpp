@@ -12,6 +12,7 @@
 #include "tools/command_line/progress_line.h"
 #include "tools/commands/debug_views.h"
 #include "tools/commands/render_checks.h"
+#include "tools/outputs/cut_report.h"
 #include "tools/outputs/film_file.h"
 
 namespace sluice {

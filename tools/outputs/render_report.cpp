@@ -14,6 +14,7 @@
 #include "src/library/opening/thick_source.h"
 #include "tools/command_line/console.h"
 #include "tools/command_line/interrupt.h"
+#include "tools/outputs/cut_report.h"
 #include "tools/pages/report_file.h"
 #include "tools/scene/empty_pictures.h"
 #include "tools/scene/ranks.h"

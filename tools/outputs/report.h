@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "src/library/drawing/refined_frame.h"
 #include "tools/scene/open_scene.h"
 
 namespace CLI {
@@ -29,18 +28,6 @@ nlohmann::json frameJson(const RenderedFrame& frame);
 nlohmann::json countersJson(const CacheCounters& counters);
 // `look`: the chosen look, as the options that reproduce it.
 nlohmann::json lookJson(const ChosenLook& look);
-// The kind of the voxels of coarser levels, in one word: "maxima".
-const char* wordOf(LevelValues values);
-// Levels that are drawn.
-nlohmann::json cutJson(const CutSummary& cut);
-// The same in one line for people.
-std::string cutLine(const CutSummary& cut);
-// "level 2", "levels 1, 2", and whether the picture will improve, for people.
-std::string refinedLine(const CutSummary& cut);
-// `cut`, `seconds` and `step` of each picture of a frame that got better.
-nlohmann::json refinedJson(const std::vector<RefinedPicture>& pictures);
-// Whether anything is drawn coarser than it is stored.
-bool isCoarser(const VisibleBlocks& blocks);
 // `dims`, `voxel_type`, ..., as `info` prints them.
 nlohmann::json volumeJson(const IndexedVolume& volume);
 // A channel's number, or "over".

@@ -10,6 +10,7 @@
 #include "src/base/values/bytes.h"
 #include "tools/command_line/console.h"
 #include "tools/options/shared_options.h"
+#include "tools/outputs/cut_report.h"
 #include "tools/outputs/report.h"
 #include "tools/plan/plan_forecast.h"
 
