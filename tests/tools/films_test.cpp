@@ -91,6 +91,15 @@ TEST(Films, sayInALineWhatIsMissing) {
   const CommandResult failed = film(program, render + "--frames 2");
   EXPECT_EQ(failed.status, 1);
   EXPECT_THAT(failed.output, HasSubstr("a.mp4: ffmpeg failed: no such encoder"));
+  // As it does if the disk is full when it closes the file.
+  const FakeFfmpeg full(program, std::string(FakeFfmpeg::kWrites) + "echo No space left >&2\n");
+  const CommandResult cut = film(program, render + "--frames 2");
+  EXPECT_EQ(cut.status, 1);
+  EXPECT_THAT(cut.output, HasSubstr("a.mp4: ffmpeg failed: No space left"));
+  const FakeFfmpeg silent(program, "cat > /dev/null; exit 3\n");
+  EXPECT_THAT(film(program, render + "--frames 2").output, HasSubstr("it ended with status 3"));
+  const FakeFfmpeg killed(program, "kill -9 $$\n");
+  EXPECT_THAT(film(program, render + "--frames 2").output, HasSubstr("it was ended by signal 9"));
   const FakeFfmpeg deaf(program, "exec <&-; echo out of memory >&2; exit 1\n");
   EXPECT_THAT(
       film(program, std::string("render ") + kSmall + " --size 200 -o a.mp4 --frames 40").output,

@@ -42,7 +42,7 @@ bool isGivenAny(const CLI::App& app, const std::vector<std::string_view>& names)
 }
 
 // The options that the user gave. To be called before the file's options are added.
-std::vector<const OptionEntry*> givenOptions(const CLI::App& app) {
+std::vector<const OptionEntry*> entriesGiven(const CLI::App& app) {
   std::vector<const OptionEntry*> given;
   for (const OptionEntry& entry : optionTable()) {
     std::vector<std::string_view> names = entry.kind.flags;
@@ -77,7 +77,7 @@ void SavedView::requireFits(const VolumeInfo& volume) const {
 
 SavedView applyState(CLI::App& app, const std::string& file) {
   StateFile state = readState(file, interruption());
-  const std::vector<const OptionEntry*> besides = givenOptions(app);
+  const std::vector<const OptionEntry*> besides = entriesGiven(app);
   SavedView saved{without(besides, state), {}, file};
   if (state.path) saved.film = SavedFilm{*state.path, besides};
   // Options that count in the user's mode are taken from the file, and no others.

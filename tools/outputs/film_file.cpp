@@ -78,6 +78,13 @@ int spawn(pid_t& child, std::vector<std::string> words, int input, int errors) {
   return failed;
 }
 
+// How a process ended; empty if it succeeded.
+std::string endOf(int status) {
+  if (WIFSIGNALED(status)) return fmt::format("it was ended by signal {}", WTERMSIG(status));
+  const int exit_status = WEXITSTATUS(status);
+  return exit_status == 0 ? "" : fmt::format("it ended with status {}", exit_status);
+}
+
 std::vector<std::byte> rgbOf(const Rgba8Picture& picture) {
   std::vector<std::byte> rgb;
   rgb.reserve(picture.rgba.size() / 4 * 3);
@@ -171,10 +178,11 @@ void FilmFile::awaitEnd() {
   while (waitpid(child_, &status, 0) < 0 && errno == EINTR) {
   }
   child_ = -1;
-  if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return;
   while (!said.empty() && said.back() == '\n') said.pop_back();
-  fail("{}: ffmpeg failed: {}", path_.string(),
-       said.empty() ? fmt::format("status {}", status) : said);
+  // It is asked for errors alone, and ends with status 0 after some, such as a full disk at the
+  // end.
+  if (said.empty()) said = endOf(status);
+  if (!said.empty()) fail("{}: ffmpeg failed: {}", path_.string(), said);
 }
 
 void FilmFile::finish() {
