@@ -127,7 +127,7 @@ class SparseField : public SynthField {
   explicit SparseField(const SynthOptions& options)
       : SynthField(options.dims),
         seed_(hash64(options.seed)),
-        chance_(options.object_share / kBallShare) {}
+        chance_(chanceOf(options.object_share / kBallShare, options.dims)) {}
 
   bool fillRow(int64_t, int64_t y, int64_t z, int64_t x0, std::span<float> row) const override {
     constexpr double kCenter = (kBrick - 1) / 2.0, kSquare = kRadius * kRadius;
@@ -138,7 +138,7 @@ class SparseField : public SynthField {
     const int64_t end = x0 + static_cast<int64_t>(row.size());
     bool any = false;
     for (int64_t brick = x0 / kBrick; brick * kBrick < end; ++brick) {
-      if (unitFrom(hash64(seed_, brick, y / kBrick, z / kBrick)) >= chance_) continue;
+      if (placeOf({brick, y / kBrick, z / kBrick}) >= chance_) continue;
       if (!any) std::fill(row.begin(), row.end(), 0.0F);
       any = true;
       const int64_t lo = std::max(brick * kBrick, x0), hi = std::min((brick + 1) * kBrick, end);
@@ -156,6 +156,24 @@ class SparseField : public SynthField {
   static constexpr int64_t kBrick = 32;
   static constexpr double kRadius = 15.5;
   static constexpr double kBallShare = 15408.0 / (kBrick * kBrick * kBrick);  // voxels counted
+
+  // A number from 0 to 1, by which bricks come to have balls.
+  double placeOf(Vec3i brick) const { return unitFrom(hash64(seed_, brick.x, brick.y, brick.z)); }
+  // The chance, or, in a volume so small that no brick might have a ball, as much as gives one.
+  double chanceOf(double chance, Vec3i dims) const {
+    const auto centers = [](int64_t voxels) {
+      return std::max<int64_t>(1, (voxels + kBrick / 2) / kBrick);
+    };
+    const Vec3i bricks{centers(dims.x), centers(dims.y), centers(dims.z)};
+    constexpr double kManyBalls = 64;
+    if (static_cast<double>(volume(bricks)) * chance > kManyBalls) return chance;
+    double least = 1;
+    for (int64_t z = 0; z < bricks.z; ++z)
+      for (int64_t y = 0; y < bricks.y; ++y)
+        for (int64_t x = 0; x < bricks.x; ++x) least = std::min(least, placeOf({x, y, z}));
+    return std::max(chance, std::nextafter(least, 1.0));
+  }
+
   const uint64_t seed_;
   const double chance_;
 };

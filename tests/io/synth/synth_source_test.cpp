@@ -227,6 +227,17 @@ TEST(SynthSource, shareIsKeptAsFarAsItIsPromised) {
   EXPECT_EQ(shareOf(readAll<uint8_t>(options)), 1);
 }
 
+// Bricks come to have a ball by chance, of which a small volume might have none.
+TEST(SynthSource, sparseVolumesAreNeverEmpty) {
+  SynthOptions options;
+  options.kind = SynthKind::kSparse;
+  for (options.seed = 1; options.seed <= 20; ++options.seed)
+    for (const int64_t side : {8, 20, 33, 40, 64, 100}) {
+      options.dims = {side, side, side};
+      EXPECT_GT(shareOf(readAll<uint8_t>(options)), 0) << side << ", seed " << options.seed;
+    }
+}
+
 double correlationOf(const std::vector<uint8_t>& u, const std::vector<uint8_t>& v) {
   double n = 0, su = 0, sv = 0, suu = 0, svv = 0, suv = 0;
   for (size_t i = 0; i < u.size(); ++i) {
