@@ -121,6 +121,8 @@ def open(path, *, dims=None, type=None, endian=None, skip=None, time_steps=None,
     """
     if endian not in (None, 'little', 'big'):
         raise ValueError(f"endian: expected 'little' or 'big', found {endian!r}")
+    if not isinstance(path, (str, _os.PathLike, list, tuple)):
+        raise TypeError(f'path: expected a name or a list of names, found {path!r}')
     paths = [path] if isinstance(path, (str, _os.PathLike)) else list(path)
     options = dict(dims=dims, type=type, big_endian=endian == 'big', skip=skip, time_steps=time_steps,
                    spacing=spacing, grid=grid, whole_series=whole_series, opens_soon=opens_soon, time=time,
@@ -137,8 +139,19 @@ def open(path, *, dims=None, type=None, endian=None, skip=None, time_steps=None,
     return Volume(_sluice.open_files([_os.fspath(each) for each in paths], options, progress))
 
 
+def _three(keyword, numbers):
+    try:
+        x, y, z = (float(number) for number in numbers)
+    except (TypeError, ValueError):
+        raise ValueError(f'{keyword}: expected three numbers (x, y, z), found {numbers!r}') from None
+    return x, y, z
+
+
 def _place(spacing, origin, unit, name):
-    return _sluice.ArrayPlace(tuple(spacing), tuple(origin), unit, name)
+    for keyword, text in (('unit', unit), ('name', name)):
+        if not isinstance(text, str):
+            raise TypeError(f'{keyword}: expected a text, found {text!r}')
+    return _sluice.ArrayPlace(_three('spacing', spacing), _three('origin', origin), unit, name)
 
 
 def from_array(array, *, spacing=(1, 1, 1), origin=(0, 0, 0), unit='', name='array', memory=None, threads=None,
@@ -147,7 +160,8 @@ def from_array(array, *, spacing=(1, 1, 1), origin=(0, 0, 0), unit='', name='arr
 
     A NumPy array of any strides is used as it is, without a copy; do not change it while the volume
     is open. Other arrays with a shape, a dtype and slicing (zarr, dask, xarray, h5py) are read box
-    by box when pictures need them. `spacing` and `origin` are x, y, z.
+    by box when pictures need them. `spacing` and `origin` are x, y, z. Of a masked array no voxel may
+    be masked, since pictures have no place for it: give `array.filled(value)`.
 
         >>> import numpy
         >>> z, y, x = numpy.mgrid[:32, :32, :32] - 15.5
@@ -158,6 +172,9 @@ def from_array(array, *, spacing=(1, 1, 1), origin=(0, 0, 0), unit='', name='arr
     options = dict(memory=_bytes(memory), threads=threads)
     place = _place(spacing, origin, unit, name)
     array = getattr(array, 'variable', array)  # of xarray: the array without its coordinates
+    if _numpy.ma.is_masked(array):
+        raise ValueError('array: has masked voxels, which pictures would show; give array.filled(value), with a value '
+                         'that does not show, or numpy.nan')
     if isinstance(getattr(array, 'data', None), _numpy.ndarray):
         array = array.data
     if isinstance(array, _numpy.ndarray):
@@ -312,6 +329,8 @@ class Renderer:
     """
 
     def __init__(self, volume, *, device='auto', memory=None, threads=None, **pipeline):
+        if not isinstance(volume, Volume):
+            raise TypeError(f'volume: expected what open() or from_array() returns, found {type(volume).__name__}')
         self._volume = volume._handle
         self._handle = _sluice.Renderer(volume._handle, device, _bytes(memory), threads or 0, pipeline)
 

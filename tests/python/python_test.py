@@ -556,6 +556,23 @@ class Requests(unittest.TestCase):
             once()
         self.assertLess(resident() - before, 16 << 20)
 
+    def test_that_are_no_volumes_or_places_are_refused_by_their_keywords(self):
+        a = numpy.zeros((4, 4, 4), 'u1')
+        for keyword, call in [('spacing', lambda: sluice.from_array(a, spacing=(1, 1))),
+                              ('spacing', lambda: sluice.from_array(a, spacing=2)),
+                              ('origin', lambda: sluice.from_array(a, origin='abc')),
+                              ('unit', lambda: sluice.from_array(a, unit=3)),
+                              ('path', lambda: sluice.open(3)),
+                              ('volume', lambda: sluice.Renderer(a))]:
+            with self.subTest(keyword), self.assertRaisesRegex((TypeError, ValueError), f'^{keyword}: expected'):
+                call()
+
+    def test_of_masked_voxels_are_refused(self):
+        a = numpy.arange(64, dtype='u1').reshape(4, 4, 4)
+        with self.assertRaisesRegex(ValueError, r'array: has masked voxels.*array\.filled'):
+            sluice.from_array(numpy.ma.masked_less(a, 9))
+        self.assertEqual(sluice.from_array(numpy.ma.masked_less(a, 0)).value_range, (0, 63))
+
     def test_of_a_wrong_place_for_indices_are_refused(self):
         wrong = {'SLUICE_INDEX': ('of', 'expected off or beside'),
                  'SLUICE_INDEX_DIR': ('here', 'expected the absolute path of a folder')}
