@@ -262,10 +262,11 @@ std::vector<std::filesystem::path> writeVolume(VolumeSource& source,
     } else {
       const std::filesystem::path data = dataFileOf(step_path);
       const std::string data_name = data.filename().string();
-      writer.write(step, data, "");
+      // The header first, so that no voxels stay without one if the disk is full.
       AtomicFile header(step_path);
       header.write(extension == ".nhdr" ? nrrdHeader(layout, data_name)
                                         : metaImageHeader(layout, data_name));
+      writer.write(step, data, "");
       header.commit();
       made.push_back(step_path);
       made.push_back(data);
