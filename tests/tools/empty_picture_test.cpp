@@ -49,6 +49,11 @@ TEST(EmptyPicture, saysWhyInOneLine) {
     EXPECT_THAT(result.output, HasSubstr(each.why)) << each.options;
     EXPECT_EQ(warnings(result.output), 1) << result.output;
   }
+  EXPECT_EQ(program
+                .run(std::string("render ") + kSmall +
+                     " -o a.png --size 40x40 --force -q --threshold 90 --opacity 0")
+                .output,
+            "");
 }
 
 template <class T>

@@ -180,7 +180,7 @@ int writeFilm(const RenderArguments& arguments, const CLI::App& app, const Saved
     progress.add(1);
   }
   if (made) made->finish();
-  empty.warn();
+  if (!is_quiet) empty.warn();
   if (is_one_file && !is_quiet) say("{}: {} frames\n", arguments.output, count);
   if (!is_one_file && !is_quiet)
     say("{} of {} frames, {} to {}\n", frames.size(), count,

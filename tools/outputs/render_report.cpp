@@ -118,6 +118,7 @@ void writeReportOf(const RenderArguments& arguments, const nlohmann::json& repor
 
 void warnOfEmptyPictures(const RenderArguments& arguments, const std::vector<int64_t>& to_draw,
                          const Drawn& drawn) {
+  if (arguments.resources.quiet) return;
   EmptyPictures empty;
   for (size_t i = 0; i < drawn.frames.size(); ++i)
     empty.add(frameName(arguments, to_draw[i]).string(), drawn.frames[i].empty);
