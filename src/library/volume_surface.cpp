@@ -7,6 +7,7 @@
 #include <limits>
 #include <utility>
 
+#include "io/zarr/levels/level_shape.h"
 #include "src/base/error.h"
 #include "src/index/stale_check.h"
 
@@ -25,9 +26,12 @@ Level levelOf(const IndexedVolume& volume, int64_t number) {
   const std::span<const CoarserLevel> levels = coarserLevels(*volume.source);
   if (number > static_cast<int64_t>(levels.size()))
     failRequest(
-        "{}: has no level {}, only {}; --levels always makes coarser ones, and so does sluice pack",
+        "{}: has no level {}, only {}; --levels always makes coarser ones of volumes with more "
+        "than "
+        "{} voxels along an axis, and so does sluice pack",
         volume.name, number,
-        levels.empty() ? std::string("level 0") : fmt::format("0 to {}", levels.size()));
+        levels.empty() ? std::string("level 0") : fmt::format("0 to {}", levels.size()),
+        kCoarsestSide);
   const CoarserLevel& level = levels[static_cast<size_t>(number - 1)];
   return {*level.source, level.placement, level.values};
 }

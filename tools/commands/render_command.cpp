@@ -209,7 +209,8 @@ Command addRender(CLI::App& program) {
   addCullingOptions(*app, arguments->culling, true);
   OptionGroup(*app, kSeriesHeading)
       .rare()
-      .flag("--continue", arguments->resume, "Draws only the pictures that do not exist yet");
+      .flag("--continue", arguments->resume,
+            "Draws only the pictures that do not exist yet; give the same options");
   addLevelOptions(*app, arguments->levels, arguments->resources);
   addResourceOptions(*app, arguments->resources);
   return
