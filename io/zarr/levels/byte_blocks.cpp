@@ -165,11 +165,14 @@ struct BlockNumbers {
                                             int64_t blocks, const TwoLevelsOfBytes& to) {
   constexpr int64_t kBlocks = 8;
   constexpr size_t kFinerRows = 4;
+  constexpr int64_t kAhead = 256;  // bytes
   const __m256i zero = _mm256_setzero_si256(), ones = _mm256_set1_epi16(1);
   int64_t x = 0;
   for (; x + kBlocks <= blocks; x += kBlocks) {
     __m256i sums = zero;
     Halves squares{zero, zero};
+    // Processors follow fewer rows than sixteen on their own; half of the time went into waiting.
+    for (const uint8_t* const row : rows) __builtin_prefetch(row + 4 * x + kAhead);
     const uint8_t value = rows[0][4 * x];
     bool is_one_value = true;
     for (size_t row = 0; row < kFinerRows; ++row) {

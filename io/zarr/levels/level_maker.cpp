@@ -46,9 +46,11 @@ LevelMaker::LevelMaker(const VolumeLayout& layout, int64_t chunk_voxels,
   for (size_t i = 0; i < levels_.size(); ++i) {
     const LevelShape& level = levels_[i];
     for (int a = 0; a < 3; ++a) SLUICE_CHECK_EQ(chunk_voxels % level.step[a], 0);
-    layers_[i].voxels.resize(layerBytes(level, chunk_voxels, fill_.size()));
+    layers_[i].voxels =
+        alignedForOverwrite<std::byte>(layerBytes(level, chunk_voxels, fill_.size()));
     if (keepsSpreads(how))
-      layers_[i].spreads.resize(layerBytes(level, chunk_voxels, bytesPerVoxel(spreadType(type_))));
+      layers_[i].spreads = alignedForOverwrite<std::byte>(
+          layerBytes(level, chunk_voxels, bytesPerVoxel(spreadType(type_))));
     layers_[i].came.resize(static_cast<size_t>(volume(cubesOf(i))));
   }
 }
@@ -116,8 +118,8 @@ void LevelMaker::fillPlaceOf(size_t level, Vec3i cube) {
     for (int64_t y = place.lo.y; y < place.hi.y; ++y) {
       const auto at = static_cast<size_t>((z * shape.dims.y + y) * shape.dims.x + place.lo.x);
       const auto count = static_cast<size_t>(place.size().x);
-      fillRow(fill_, layer.voxels.data() + at * fill_.size(), place.size().x);
-      if (spread > 0) std::memset(layer.spreads.data() + at * spread, 0, count * spread);
+      fillRow(fill_, layer.voxels.get() + at * fill_.size(), place.size().x);
+      if (spread > 0) std::memset(layer.spreads.get() + at * spread, 0, count * spread);
     }
 }
 
@@ -148,9 +150,9 @@ void LevelMaker::addOf(const Box3& box, const T* voxels, int64_t row_stride, int
     const Vec3i first = box.lo / level.step - layerAt(i, box.lo.z).lo, count = cubesOf(i);
     const int64_t plane = level.dims.x * level.dims.y;
     const auto at = static_cast<size_t>(first.z * plane + first.y * level.dims.x + first.x);
-    LevelPart part{level.step, layers_[i].voxels.data() + at * sizeof(T), nullptr, level.dims.x,
+    LevelPart part{level.step, layers_[i].voxels.get() + at * sizeof(T), nullptr, level.dims.x,
                    plane};
-    if (keepsSpreads(how_)) part.spreads = layers_[i].spreads.data() + at * sizeof(SpreadOf<T>);
+    if (keepsSpreads(how_)) part.spreads = layers_[i].spreads.get() + at * sizeof(SpreadOf<T>);
     parts.push_back(part);
     const auto came =
         layers_[i].came.begin() + ((cube.z % count.z) * count.y + cube.y) * count.x + cube.x;

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "io/zarr/levels/level_shape.h"
+#include "src/base/memory/aligned_array.h"
 #include "src/base/threads/mutex.h"
 #include "src/base/values/vec.h"
 #include "src/base/values/volume_source.h"
@@ -53,14 +54,14 @@ class LevelMaker {
   // spread, and the next cubes begin the next layer.
   void endLayer(size_t level);
   // The voxels of the layer that has ended, x fastest, packed.
-  const std::byte* layerVoxels(size_t level) const { return layers_[level].voxels.data(); }
+  const std::byte* layerVoxels(size_t level) const { return layers_[level].voxels.get(); }
   // Their spreads, in the same order. Requires: keepsSpreads().
-  const std::byte* layerSpreads(size_t level) const { return layers_[level].spreads.data(); }
+  const std::byte* layerSpreads(size_t level) const { return layers_[level].spreads.get(); }
 
  private:
   struct Layer {
-    std::vector<std::byte> voxels, spreads;
-    std::vector<char> came;  // for each cube of the layer, x fastest
+    AlignedArray<std::byte> voxels, spreads;  // not set to anything before its cubes come
+    std::vector<char> came;                   // for each cube of the layer, x fastest
   };
 
   template <class T>

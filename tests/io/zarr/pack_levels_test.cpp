@@ -283,6 +283,23 @@ TEST(PackLevels, spreadsThatDoNotFitAreLeftOutAndSaid) {
   EXPECT_GT(pack(*source, folder / "v.zarr", withLevels()).chunks, 0);
 }
 
+// Rows of 13, 8 and 5 voxels in chunks of 8 a side: the only voxel lies behind the last whole word.
+TEST(PackLevels, keepAVoxelAtTheVeryEndOfAnEmptyRow) {
+  const TempFolder folder;
+  FunctionSource source(layoutOf({13, 9, 9}), [](int64_t, Vec3i at) {
+    return at == Vec3i{12, 8, 8} ? 200.0 : 0.0;
+  });
+  pack(source, folder / "v.zarr", withLevels());
+  ZarrSource packed(folder / "v.zarr");
+  uint8_t voxel = 0;
+  packed.readRegion(0, {{12, 8, 8}, {13, 9, 9}}, std::as_writable_bytes(std::span(&voxel, 1)));
+  EXPECT_EQ(voxel, 200);
+  ASSERT_EQ(packed.levelsAbove().size(), 2U);
+  packed.levelsAbove()[0].source->readRegion(0, {{6, 4, 4}, {7, 5, 5}},
+                                             std::as_writable_bytes(std::span(&voxel, 1)));
+  EXPECT_EQ(voxel, 200);  // the only voxel of its block
+}
+
 TEST(PackLevels, aDamagedOrMissingChunkOfALevelIsFound) {
   const TempFolder folder;
   const auto source = makeWhiteNoise({40, 40, 40}, VoxelType::kU8, 1);
