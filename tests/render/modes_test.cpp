@@ -241,6 +241,29 @@ TEST_F(ModesTest, labelsGiveTheReferencePicture) {
     }
 }
 
+// Modes that show values take labels for numbers. Their table has more entries than a texture is
+// wide, whatever the values are.
+TEST_F(ModesTest, labelsInModesOfValuesGiveTheReferencePicture) {
+  const auto source = things();
+  std::vector<LabelStyle> styles = labelStyles({0, 3, 90, 200}, 0);
+  styles[2].opacity = 0;  // a hole in the table
+  for (const Mode mode :
+       {Mode::kMip, Mode::kMinip, Mode::kAverage, Mode::kAttenuatedMip, Mode::kDepthMip})
+    for (const Projection projection : kProjections) {
+      SCOPED_TRACE(fmt::format("mode {} projection {}", static_cast<int>(mode),
+                               static_cast<int>(projection)));
+      RenderScene scene(device(), *source, labelsTransfer(styles), {.block_vox = 8});
+      FrameOptions options = obliqueView(projection);
+      options.mode = mode;
+      const FloatPicture drawn = scene.draw(options);
+      EXPECT_GT(shownShare(drawn), 0.02);
+      EXPECT_LT(shownShare(drawn), 0.5);
+      // A step of depth_code.h may be decided either way.
+      const double tolerance = mode == Mode::kDepthMip ? 10 : kOfReference;
+      EXPECT_TRUE(within(tolerance, drawn, scene.reference(options)));
+    }
+}
+
 TEST_F(ModesTest, labelsShowNoColourButTheirOwn) {
   const auto source = things();
   const TransferFunction transfer = labelsTransfer(labelStyles({0, 3, 90, 200}, 0));

@@ -35,13 +35,23 @@ vec4 cued(vec4 color, float slice) {
 
 const char* const kColorText = R"(
 uniform sampler2D look_up;
-#if LABELS
+#if LABEL_TABLE
 #define LABEL_ROW 4096
 uniform int label_entries;
-vec4 labelColor(float entry) {
-  int i = clamp(int(entry * float(label_entries)), 0, label_entries - 1);
+vec4 labelEntry(int i) {
+  i = clamp(i, 0, label_entries - 1);
   return texelFetch(look_up, ivec2(i % LABEL_ROW, i / LABEL_ROW), 0);
 }
+#if LABELS
+vec4 labelColor(float entry) { return labelEntry(int(entry * float(label_entries))); }
+#else
+// Between two entries, which may lie in two rows, so that the hardware cannot interpolate.
+vec4 betweenLabels(float entry) {
+  float place = clamp(entry * float(label_entries) - 0.5, 0.0, float(label_entries - 1));
+  int i = int(place);
+  return mix(labelEntry(i), labelEntry(i + 1), place - float(i));
+}
+#endif
 
 #if SHARES
 uniform float unit_lengths;  // between samples
@@ -230,6 +240,8 @@ vec4 entryColor(float value, float entry) {
 #endif
 #if LABELS
   return labelColor(entry);
+#elif LABEL_TABLE
+  return betweenLabels(entry);
 #else
   return textureLod(look_up, vec2(entry, 0.5), 0.0);
 #endif

@@ -26,6 +26,7 @@ struct ShaderVariant {
   bool corrects = false;      // with factors: a sample's length is not the opacity's
   bool goes_ahead = false;    // leaves out samples that show nothing
   bool labels = false;        // values are names, see LookUp
+  bool label_table = false;   // the look-up is one of labels, in rows, whatever the values are
   bool planes = false;        // samples lie on voxel planes, see FrameSetup
   bool codes_depth = false;   // the greatest value is kept with its depth, see depth_code.h
   bool spread = false;        // chunks have spreads, see ExpectedLook

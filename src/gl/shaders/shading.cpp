@@ -152,6 +152,7 @@ ShaderVariant frameVariant(const FrameSetup& setup, bool fetches) {
                         .counts = false,
                         .clip_planes = static_cast<int>(setup.clip_planes.size()),
                         .labels = colors && setup.look_up->labels,
+                        .label_table = setup.look_up->labels,
                         .planes = traits.on_planes,
                         .codes_depth = traits.codes_depth,
                         .integrates = setup.integrates,
