@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "src/classify/transfer/transfer_makers.h"
 #include "src/render/camera/index_space.h"
@@ -232,6 +233,70 @@ TEST_F(LightTest, aTexelIsAsOpaqueAsItsVoxels) {
   for (const std::byte voxel : source->bytes())
     by_hand -= std::log(1 - opacityAt(look.transfer, std::to_integer<int>(voxel)));
   EXPECT_NEAR(sum, by_hand, 1e-4 * by_hand);
+}
+
+// Matter of a surface alone, of opacity 0.3.
+CoarseExtinction matterOfSurface(RenderScene& scene, TransferFunction transfer, double value) {
+  transfer.surfaces = {{value, 0.3, {1, 1, 1}}};
+  WorkerPool pool(2);
+  return coarseExtinction(scene.step(), makeLook(scene.step(), transfer, Mode::kComposite),
+                          MatterFrom::kFinest, pool, {});
+}
+
+TEST_F(LightTest, aSurfaceIsAsOpaqueAsItsArea) {
+  const TransferFunction transfer = pointsTransfer("grey", {0, 100}, {{0, 0}});
+  for (const Vec3d spacing : {Vec3d{1, 1, 1}, Vec3d{1, 1.5, 2}}) {
+    VolumeLayout layout;
+    layout.dims = {48, 48, 48};
+    layout.type = VoxelType::kF32;
+    layout.spacing = spacing;
+    std::vector<float> voxels;
+    const Vec3d center = toDouble(layout.dims - Vec3i{1, 1, 1}) * 0.5 * spacing;
+    Vec3i at;
+    for (at.z = 0; at.z < 48; ++at.z)
+      for (at.y = 0; at.y < 48; ++at.y)
+        for (at.x = 0; at.x < 48; ++at.x)
+          voxels.push_back(static_cast<float>(length(toDouble(at) * spacing - center)));
+    const auto bytes = std::as_bytes(std::span(voxels));
+    MemorySource source(layout, {bytes.begin(), bytes.end()});
+    RenderScene scene(device(), source, transfer, {.block_vox = 16, .lit = true});
+    for (const double radius : {9.0, 14.3, 20.7}) {
+      const CoarseExtinction matter = matterOfSurface(scene, transfer, radius);
+      double sum = 0;
+      for (const float extinction : matter.per_length) sum += extinction;
+      const double area = 4 * 3.14159265 * radius * radius / (spacing.x * spacing.y * spacing.z);
+      EXPECT_NEAR(sum, -std::log(0.7) * area, 0.03 * area) << radius << ", " << spacing.z;
+    }
+  }
+}
+
+TEST_F(LightTest, aTiltedSurfaceCastsAnEvenShadow) {
+  for (const Vec3d slope : {Vec3d{0, 0, 1}, Vec3d{0.17, 0.11, 1}, Vec3d{0.5, 0.3, 1}}) {
+    const auto source = makeMemorySource<float>(Vec3i{41, 41, 41}, [&](auto x, auto y, auto z) {
+      return dot(slope, toDouble(Vec3i{x, y, z}));
+    });
+    const TransferFunction transfer = pointsTransfer("grey", {0, 100}, {{0, 0}});
+    RenderScene scene(device(), *source, transfer, {.block_vox = 16, .lit = true});
+    const CoarseExtinction matter = matterOfSurface(scene, transfer, dot(slope, {20, 20, 28}));
+    for (const Vec3d toward : {Vec3d{0, 0, 1}, Vec3d{0.3, 0.1, 1}}) {
+      WorkerPool pool(1);
+      std::vector<float> light(matter.per_length.size(), 0.0F);
+      addLight(matter, {toward, length(toward), 0}, 1, pool, light);
+      double least = 1, greatest = 0, mean = 0;
+      for (int64_t y = 14; y < 28; ++y)
+        for (int64_t x = 14; x < 28; ++x) {
+          const double here = lightTexel(light, matter.grid.texels, {x, y, 5});
+          least = std::min(least, here);
+          greatest = std::max(greatest, here);
+          mean += here / (14 * 14);
+        }
+      SCOPED_TRACE(fmt::format("slope {} {}, light {}", slope.x, slope.y, toward.x));
+      EXPECT_LT(greatest - least, 0.04) << "it is no staircase";
+      // The way through a sheet is longer the flatter the light falls on it.
+      const double facing = dot(slope, toward) / (length(slope) * length(toward));
+      EXPECT_NEAR(mean, std::pow(0.7, 1 / facing), 0.02);
+    }
+  }
 }
 
 TEST_F(LightTest, opacitiesThatDependOnGradientsAreRefused) {

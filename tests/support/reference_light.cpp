@@ -93,15 +93,33 @@ double ReferenceLight::extinctionOf(const ReferenceScene& scene, const Reference
   const double value = values.at(toDouble(voxel));
   double sum = extinction(opacityAt(scene.transfer, value));
   const double range = scene.value_range.hi - scene.value_range.lo;
-  for (const IsoSurface& surface : scene.transfer.surfaces)
+  for (const IsoSurface& surface : scene.transfer.surfaces) {
+    const double level = surface.value - 1e-9 * range;
+    if (std::isnan(value)) continue;
+    // The plane that has the level, from the steepest way to it along each axis, and the distance
+    // between planes of voxels along its normal.
+    double squared = 0, squared_in_world = 0;
     for (int a = 0; a < 3; ++a) {
-      Vec3i next = voxel;
-      if (++next[a] >= layout_.dims[a]) continue;
-      const double other = values.at(toDouble(next));
-      const double level = surface.value - 1e-9 * range;
-      if (std::isnan(value) || std::isnan(other) || (value >= level) == (other >= level)) continue;
-      sum += extinction(surface.opacity) * 2 / 3 * finest_ / layout_.spacing[a];
+      double steepest = 0;
+      for (const int way : {-1, 1}) {
+        Vec3i next = voxel;
+        next[a] += way;
+        if (next[a] < 0 || next[a] >= layout_.dims[a]) continue;
+        const double other = values.at(toDouble(next));
+        const double change = value >= level ? value - other : other - value;
+        if (change > steepest) steepest = change;
+      }
+      squared += steepest * steepest;
+      squared_in_world += std::pow(steepest * finest_ / layout_.spacing[a], 2);
     }
+    if (!(squared > 0)) continue;
+    const double distance = std::abs(level - value) / std::sqrt(squared);
+    const double nearness = std::max(0.0, 1 - distance), whole = extinction(surface.opacity);
+    // All of the extinction up to 1 in proportion, and the rest by the third power.
+    sum +=
+        (std::min(whole, 1.0) * nearness + std::max(0.0, whole - 1) * 2 * std::pow(nearness, 3)) *
+        std::sqrt(squared_in_world / squared);
+  }
   return sum;
 }
 

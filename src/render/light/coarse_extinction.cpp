@@ -17,9 +17,6 @@ namespace {
 // A thread reads whole rows of the volume, of so many voxels across as chunks of files often have,
 // and at most so many voxels at once.
 constexpr int64_t kTileVoxels = 64, kMostVoxels = kMostCoarseVoxelsRead;
-// Surface area for each pair of neighbours on its two sides, in faces of voxels: the mean over all
-// directions of 1 / (|n.x| + |n.y| + |n.z|).
-constexpr double kAreaOfPair = 2.0 / 3;
 
 constexpr double kMostOfLength = 16 * std::numbers::ln2;
 
@@ -83,6 +80,7 @@ class Maker {
         grid_(coarseGrid(layout_)),
         level_(levelFor(step, grid_, from)),
         level_dims_(level_.source->layout().dims),
+        voxel_lengths_(layout_.spacing / finestSpacing(layout_)),
         type_(step.ranges->map.type) {
     // One number for each value of integers, else for each entry.
     const size_t values = type_ == DeviceType::kU8 ? 256 : type_ == DeviceType::kU16 ? 65536 : 0;
@@ -91,8 +89,6 @@ class Maker {
       const size_t entry = values > 0 ? entryOf(static_cast<double>(i)) : i;
       extinctions_.push_back(static_cast<float>(extinctionOf(opacity[entry])));
     }
-    for (int a = 0; a < 3; ++a)
-      of_pair_[a] = kAreaOfPair * finestSpacing(layout_) / layout_.spacing[a];
     for (const SurfaceLevel& surface : look.table.surfaces())
       meetings_.push_back(extinctionOf(surface.opacity));
   }
@@ -168,10 +164,13 @@ class Maker {
 
   template <class Voxel>
   void addRead(const Box3& voxels) {
-    // Surfaces look at the next voxels, too.
+    // Surfaces look at the neighbours, too.
     Box3 box = voxels;
     if (!meetings_.empty())
-      for (int a = 0; a < 3; ++a) box.hi[a] = std::min(box.hi[a] + 1, level_dims_[a]);
+      for (int a = 0; a < 3; ++a) {
+        box.lo[a] = std::max<int64_t>(box.lo[a] - 1, 0);
+        box.hi[a] = std::min(box.hi[a] + 1, level_dims_[a]);
+      }
     const std::vector<Voxel> values = read<Voxel>(*level_.source, box);
     std::vector<Voxel> spreads;  // or shares, of labels
     const ExpectedLook* expected = look_.look_up->expected.get();
@@ -213,28 +212,48 @@ class Maker {
     if (value < kNoNumber) return 0;
     return extinctions_[entryOf(static_cast<double>(value))];
   }
-  // The extinctions of the surfaces between voxel i of a box and the next ones along each axis.
+  // The extinctions of the surfaces at voxel i of a box, of a voxel length. A surface counts for
+  // the voxels less than a voxel away from it, the more the nearer it is, so that all of them
+  // together have its area wherever it lies between them: in small volumes, whose texels are single
+  // voxels, a surface that counted for whole voxels would be stairs, and its shadow ripples.
   template <class Voxel>
   double meetingsAt(const std::vector<Voxel>& values, size_t i, Vec3i size, Vec3i voxel) const {
-    const std::array<size_t, 3> next{1, static_cast<size_t>(size.x),
-                                     static_cast<size_t>(size.x * size.y)};
+    const std::array<size_t, 3> steps{1, static_cast<size_t>(size.x),
+                                      static_cast<size_t>(size.x * size.y)};
+    const auto own = static_cast<double>(values[i]);
+    if (own < kNoNumber) return 0;
+    // The steepest ways up and down. At an edge only one side of the voxel has it.
+    Vec3d rise, fall;
+    const auto look = [&](int a, size_t at) {
+      const auto other = static_cast<double>(values[at]);
+      if (other < kNoNumber) return;
+      rise[a] = std::max(rise[a], other - own);
+      fall[a] = std::max(fall[a], own - other);
+    };
+    for (int a = 0; a < 3; ++a) {
+      const size_t step = steps[static_cast<size_t>(a)];
+      if (voxel[a] > 0) look(a, i - step);
+      if (voxel[a] + 1 < level_dims_[a]) look(a, i + step);
+    }
     double sum = 0;
-    for (int a = 0; a < 3; ++a)
-      if (voxel[a] + 1 < level_dims_[a])
-        sum += of_pair_[a] *
-               meetingsBetween(static_cast<double>(values[i]),
-                               static_cast<double>(values[i + next[static_cast<size_t>(a)]]));
-    return sum;
-  }
-  // The extinctions of the surfaces between two neighbours.
-  double meetingsBetween(double one, double other) const {
-    if (std::min(one, other) < kNoNumber) return 0;
-    double sum = 0;
-    for (size_t i = 0; i < meetings_.size(); ++i) {
-      const double level = look_.table.surfaces()[i].level;
-      if ((one >= level) != (other >= level)) sum += meetings_[i];
+    for (size_t n = 0; n < meetings_.size(); ++n) {
+      const double level = look_.table.surfaces()[n].level, away = std::abs(level - own);
+      const Vec3d& slope = own < level ? rise : fall;
+      const double a_voxel = length(slope);
+      if (away < a_voxel)
+        sum += shareOf(meetings_[n], 1 - away / a_voxel) * length(slope / voxel_lengths_) / a_voxel;
     }
     return sum;
+  }
+
+  // The part of a surface's extinction that a voxel takes. `nearness`: 1 - its distance in voxels.
+  // The parts of all voxels on a line through the surface sum up to the whole, in the mean of all
+  // places of the surface. Extinction above kEven lies closer to the surface: otherwise an opaque
+  // surface would be in its own shadow, which shows as rings if the light falls flat on it.
+  static double shareOf(double extinction, double nearness) {
+    constexpr double kEven = 1;
+    const double even = std::min(extinction, kEven);
+    return even * nearness + (extinction - even) * 2 * nearness * nearness * nearness;
   }
 
   // Below it lies the stand-in for NaN.
@@ -247,10 +266,10 @@ class Maker {
   const CoarseGrid grid_;
   const ReadLevel level_;
   const Vec3i level_dims_;
+  const Vec3d voxel_lengths_;  // of a voxel, along each axis
   const DeviceType type_;
   std::vector<float> extinctions_;  // by value of integers, by entry of the table for floats
   std::vector<double> meetings_;    // by surface
-  Vec3d of_pair_;
   std::vector<Sum> sums_;
 };
 

@@ -5,8 +5,8 @@
 // of a voxel length, at most that of which 2^-16 passes. The voxels are the finest ones, or for
 // pictures that are drawn from coarser levels those of the coarsest level that has one in each
 // texel, with their spreads if it has these (expected_look.h). A surface adds the extinction of a
-// meeting for each pair of neighbouring voxels whose values lie on its two sides: their number
-// tells its area.
+// meeting times its area. The voxels around it share it by how far from it they are, which follows
+// from their values and gradients.
 //
 // Pure functions. They read voxels, part by part, on all threads of the pool.
 #pragma once
