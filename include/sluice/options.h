@@ -40,7 +40,9 @@ struct LookOptions {
     // A colour, "green" or "00ff00", a map, "labels", or the file of a table of labels.
     std::string map = {};
     std::optional<std::array<double, 2>> range = {};  // opacity rises over it from 0, too
-    std::optional<double> opacity = {};               // at the end of the range
+    // At the end of the range; for labels the factor of their opacities, which are 1 without a
+    // table. Unset: 0.05; with a table 1.
+    std::optional<double> opacity = {};
     friend bool operator==(const Channel&, const Channel&) = default;
   };
 
@@ -68,7 +70,9 @@ struct LookOptions {
   std::vector<Surface> surfaces = {};
   // A ramp: opacity 0 below it, a fifth of `opacity` at it, and that at the top of the values.
   std::optional<double> threshold = {};
-  std::optional<double> opacity = {};   // at the top; unset: 0.05, or the automatic choice
+  // At the top; unset: 0.05, or the automatic choice. For labels the factor of their opacities,
+  // which are 1 without a table; unset: 1.
+  std::optional<double> opacity = {};
   std::vector<Opacity> opacities = {};  // ascending by value, linear in between
   std::string transfer_file = {};       // our JSON, or ParaView's
   bool labels = false;                  // values are names of things, each with its colour

@@ -127,7 +127,7 @@ struct ShownLook {
     std::string name;             // as the file has it; may be empty
     std::array<double, 3> rgb;    // the colour at the end of the range
     std::array<double, 2> range;  // its colours span these values
-    double opacity = 0;           // the greatest, of one voxel length
+    double opacity = 0;  // the greatest, of one voxel length; for labels the factor of theirs
   };
   std::vector<Color> colors;           // ascending by value, linear in between
   std::vector<Opacity> opacities;      // the same

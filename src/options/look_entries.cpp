@@ -71,8 +71,8 @@ std::vector<OptionEntry> lookEntries() {
           .turn = 4,
           .kind = {Form::kNumber, kShareRange},
           .value = "A",
-          .help = "Opacity per voxel length at the top of a ramp (0.05), or of all labels; "
-                  "automatic opacities change in proportion to it",
+          .help = "Opacity per voxel length at the top of a ramp (0.05), or of labels; automatic "
+                  "opacities and those of --labels-table change in proportion to it",
           .is_printed = hasOneOpacity}),
       in(&Look::opacities,
          {.key = "opacities",

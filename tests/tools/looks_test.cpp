@@ -108,6 +108,31 @@ TEST_F(Looks, labelsHaveTheLooksOfATableAndOfOptions) {
               1);
 }
 
+TEST_F(Looks, labelsThatATableHidesStayHiddenWithAnOpacity) {
+  writeLabels();
+  // ITK-SNAP's table hides a label by its second flag, and leaves the others out.
+  write("snap.txt", "1 255 0 0 1 1 1 \"one\"\n2 0 255 0 0.5 0 1 \"two\"\n");
+  write("slicer.ctbl", "1 one 255 0 0 255\n2 two 0 255 0 51\n");
+  const std::string labels = kLabels;
+  const auto picture = [&](const std::string& look) {
+    EXPECT_EQ(program_.run("render --force --size 96x80 -o a.png " + labels + look).status, 0);
+    return bytesOf("a.png");
+  };
+  const std::string hidden = picture("--label all=:0 --label 1=ff0000:0.2 --no-shade");
+  EXPECT_EQ(hidden, picture("--labels-table snap.txt --opacity 0.2 --no-shade"));
+  EXPECT_EQ(hidden, picture("--look 0:snap.txt,0.2"));
+  const std::string whole = picture("--label all=:0 --label 1=ff0000:1 --no-shade");
+  EXPECT_EQ(whole, picture("--look 0:snap.txt"));
+  EXPECT_EQ(whole, picture("--labels-table snap.txt --opacity 1 --no-shade"));
+  // The labels of a table keep the ratio of their opacities.
+  const std::string half =
+      picture("--label all=:0 --label 1=ff0000:0.5 --label 2=00ff00:0.1 --no-shade");
+  EXPECT_EQ(half, picture("--labels-table slicer.ctbl --opacity 0.5 --no-shade"));
+  EXPECT_EQ(half, picture("--look 0:slicer.ctbl --opacity 0.5"));
+  // Without a table, the opacity is that of each label.
+  EXPECT_EQ(picture("--labels --opacity 0.3 --no-shade"), picture("--look 0:labels,0.3"));
+}
+
 TEST_F(Looks, blocksOfLabelsThatDoNotShowAreNotRead) {
   writeLabels();
   const auto blocks = [&](const std::string& look) {

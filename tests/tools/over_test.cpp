@@ -111,6 +111,30 @@ TEST_F(Over, labelsHaveTheirColours) {
   EXPECT_EQ(python("hues asked.png"), "0\n");
 }
 
+TEST_F(Over, labelsThatATableHidesStayHidden) {
+  const auto write = [&](const char* name, const char* seven) {
+    std::ofstream(program_.folder.path() / name)
+        << "1 255 0 0 1 1 1 \"one\"\n2 0 255 0 1 1 1 \"two\"\n"
+        << seven;
+  };
+  write("hidden.txt", "7 0 0 255 1 0 1 \"seven\"\n");
+  write("without.txt", "");
+  const std::string common =
+      "spot.nrrd --opacities 250:0,255:0 --over labels.nrrd --view left --annotate --look over:";
+  for (const char* opacity : {",1", ",0.2", ""}) {
+    SCOPED_TRACE(opacity);
+    render(fmt::format("{}hidden.txt{} -o hidden.png", common, opacity));
+    render(fmt::format("{}without.txt{} -o without.png", common, opacity));
+    render(fmt::format("{}table.txt{} -o table.png", common, opacity));
+    EXPECT_EQ(difference("hidden.png", "without.png"), 0);
+    EXPECT_GT(difference("hidden.png", "table.png"), 20);
+  }
+  // Without an opacity, the table's own count.
+  render(common + "table.txt -o own.png");
+  render(common + "table.txt,1 -o one.png");
+  EXPECT_EQ(difference("own.png", "one.png"), 0);
+}
+
 TEST_F(Over, saysWhatDoesNotFit) {
   EXPECT_THAT(render("scan.nrrd --over apart.nrrd -o apart.png"),
               HasSubstr("apart.nrrd: lies beside scan.nrrd in the world"));

@@ -150,6 +150,10 @@ void applyTable(std::vector<LabelStyle>& styles, const std::vector<LabelStyle>& 
   }
 }
 
+void scaleOpacities(std::vector<LabelStyle>& styles, double factor) {
+  for (LabelStyle& style : styles) style.opacity *= factor;
+}
+
 void applyLooks(std::vector<LabelStyle>& styles, const std::vector<LabelLook>& looks) {
   for (const LabelLook& look : looks) {
     std::optional<Vec3d> rgb;

@@ -40,9 +40,10 @@ std::vector<LabelStyle> parseLabelTable(std::string_view text, const std::string
 
 // The styles with those of a table in their place; labels that it does not name do not show.
 void applyTable(std::vector<LabelStyle>& styles, const std::vector<LabelStyle>& table);
+// The styles with so much of their opacity: labels that do not show stay hidden.
+void scaleOpacities(std::vector<LabelStyle>& styles, double factor);
 // The styles with the looks in their place, one after another; a look of all labels leaves the
-// background as it is. Throws Error for a colour that there
-// is not.
+// background as it is. Throws Error for a colour that there is not.
 void applyLooks(std::vector<LabelStyle>& styles, const std::vector<LabelLook>& looks);
 
 // Labels of these values, opaque and each with a colour of its number, or from `map` over all of

@@ -135,7 +135,8 @@ class Chooser {
     std::vector<LabelStyle> styles = labelStylesOf(values_.counts, look_.map);
     if (!look_.label_table.empty())
       applyTable(styles, readLabelTable(look_.label_table, look_.stop));
-    if (look_.opacity) applyLooks(styles, std::vector<LabelLook>{{.opacity = look_.opacity}});
+    chosen_.label_opacity = look_.opacity.value_or(1);
+    scaleOpacities(styles, chosen_.label_opacity);
     applyLooks(styles, look_.label_looks);
     chosen_.transfer = labelsTransfer(styles);
     for (const LabelStyle& style : styles)

@@ -24,6 +24,7 @@ struct ChosenLook {
   // series'.
   double flat_scale = 1;
   std::map<double, std::string> label_names;  // of labels to which a table gives names
+  double label_opacity = 1;                   // factor of the labels' own opacities
   std::string options;                // "--map ct-bone --range 40,255 --opacities 40:0,... --shade"
   std::vector<std::string> warnings;  // one line each
 };

@@ -23,6 +23,7 @@ ShownLook::Channel shownChannel(const Layer& layer) {
   }
   for (const OpacityPoint& point : transfer.opacities)
     shown.opacity = std::max(shown.opacity, point.opacity);
+  if (transfer.labels) shown.opacity = layer.look.label_opacity;
   return shown;
 }
 

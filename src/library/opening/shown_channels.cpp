@@ -196,7 +196,9 @@ LookArguments labelsOfChannel(LookArguments look, const ChannelLook& own) {
   look.map.clear();
   look.labels = true;
   if (isLabelTable(own.map)) look.label_table = own.map;
-  look.opacity = own.opacity.value_or(kDefaultOpacity);
+  if (own.opacity) look.opacity = own.opacity;
+  // A haze shows the volume behind it. A table has opacities of its own.
+  if (!look.opacity && look.label_table.empty()) look.opacity = kDefaultOpacity;
   return look;
 }
 
