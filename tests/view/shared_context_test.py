@@ -23,7 +23,7 @@ def pictures(folder, *more):
         def step(act):
             mark = window.mark()
             act()
-            window.whole(mark)
+            window.settled(mark)
             hand.move(WIDTH + 200, 1)
             hand.flush()
             window.do('sleep', 0.4)

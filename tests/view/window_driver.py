@@ -174,6 +174,16 @@ class Window:
         """Waits for a complete picture of the newest wish."""
         return self.wait(lambda line: line.get('complete') is True and line.get('of_newest'), since=since)
 
+    def settled(self, since, seconds=0.4):
+        """Waits for a complete picture, and until none has come for so long: on a busy machine a drag has complete
+        pictures of its way, and the window takes the last events late."""
+        self.whole(since)
+        seen = -1
+        while seen != (count := sum('complete' in line for line in self.lines)):
+            seen = count
+            self.do('sleep', seconds)
+            self.update()
+
     def do(self, *words):
         subprocess.run(['xdotool', *map(str, words)], env=self.outside, check=True, stdout=subprocess.DEVNULL)
 
