@@ -83,6 +83,9 @@ struct OptionEntry {
   // Commands with all options of a part add those with a heading, under it. Empty: a command that
   // has the option adds it by itself.
   std::string_view heading = {};
+  // The look that a picture is printed with has the option, in addition to those of the transfer
+  // function: it changes the light or the samples of the picture.
+  bool is_light = false;
   bool is_rare = false;  // left out of --help, but not of --help-all, of the commands that draw
   int turn = 0;          // printed commands have options in ascending order of turns
   OptionKind kind = {};

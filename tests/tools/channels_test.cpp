@@ -291,6 +291,31 @@ TEST_F(Channels, printedLookMakesThePictureAgain) {
   EXPECT_LE(difference("sum a.png b.png"), 0);
 }
 
+TEST_F(Channels, printedLookHasAllSettings) {
+  const auto look = [&](const std::string& arguments, const std::string& settings) {
+    const auto optionsOf = [&](const std::string& name, const std::string& options) {
+      const auto report = program_.json(fmt::format(
+          "render cells.ome.zarr --force --size 48x40 -o {} {} {}", name, arguments, options));
+      return report["look"]["options"].get<std::string>();
+    };
+    const std::string printed = optionsOf("first.png", settings);
+    EXPECT_EQ(optionsOf("again.png", printed), printed);
+    EXPECT_TRUE(readFile(program_.folder / "first.png") == readFile(program_.folder / "again.png"))
+        << arguments << " " << settings << "\n"
+        << printed;
+  };
+  for (const char* settings :
+       {"", "--shade --light 50,20 --ambient 0.1", "--shade --shadows=0.5", "--threshold 900",
+        "--threshold 900 --opacity 0.2 --depth-cueing", "--labels", "--labels --opacity 0.4",
+        "--look 0:labels", "--map red --range 300,4000", "--combine blend --shade --diffuse 0.3",
+        "--modulate --jitter=0.5", "--opacities 500:0,3000:0.2 --shade --specular 0.6",
+        "--channel 0,2 --look Spots:orange --opacity 0.3"})
+    look("", settings);
+  look("--mode attenuated-mip", "--attenuation 0.3");
+  look("--mode mip", "--look 0:red,100:2000");
+  look("--channel 1", "--look 1:green --iso 900:0.5 --shade --shadows");
+}
+
 TEST_F(Channels, turnsAndSavedViewsShowAll) {
   render("cells.ome.zarr -o turn_####.png --frames 3 --background 000000");
   render("cells.ome.zarr -o one.png --azimuth 120 --background 000000");

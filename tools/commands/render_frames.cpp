@@ -176,7 +176,7 @@ FrameOptions drawingOptions(const RenderJob& job) {
   FrameOptions options = job.arguments.frame;
   options.camera = job.cameras.front();
   if (!job.has_step) options.step_vox = job.scene.chosenStep(job.scene.volume.step(), options);
-  job.scene.drawn_look = job.scene.lookOf(options);
+  job.scene.drawn_look = job.scene.lookOf(options, *job.arguments.asked);
   options.lighting.flat_share *= job.scene.look.flat_scale;
   options.count_samples = wantsReport(job.arguments);
   options.keep_phases = job.arguments.debug_view;

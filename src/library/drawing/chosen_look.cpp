@@ -99,6 +99,10 @@ class Chooser {
  private:
   void add(const std::string& option) { chosen_.options += option; }
   void addMap(std::string_view map) { add(fmt::format(" --map {}", shellWord(std::string(map)))); }
+  void addRange(ValueRange range) {
+    add(rangeOption(range));
+    if (range.lo != range.hi) said_range_ = ascending(range);
+  }
 
   // The mode's map, whichever values show.
   std::string_view usualMap() const {
@@ -111,7 +115,7 @@ class Chooser {
     add(fmt::format(" --transfer {}", shellWord(look_.transfer_file)));
     if (!look_.map.empty()) addMap(look_.map);
     if (look_.range) measureFlatness(range_);
-    if (look_.range) add(rangeOption(*look_.range));
+    if (look_.range) addRange(*look_.range);
     if (look_.opacity)
       chosen_.warnings.push_back(fmt::format(
           "--opacity {}: changes nothing, since --transfer has opacities of its own; --opacities "
@@ -127,7 +131,7 @@ class Chooser {
     chosen_.transfer = pointsTransfer(map, map_range_, look_.opacities);
     measureFlatness(map_range_);
     addMap(map);
-    add(rangeOption(map_range_));
+    addRange(map_range_);
     add(pointsOption(look_.opacities));
   }
 
@@ -172,7 +176,7 @@ class Chooser {
     add(fmt::format(" --threshold {} --opacity {}", threshold, opacity));
     addMap(map);
     if (look_.range) measureFlatness(range_);
-    if (look_.range) add(rangeOption(*look_.range));
+    if (look_.range) addRange(*look_.range);
     const ValueRange all = values_.range;
     if (!values_.counts.entries.empty() && (threshold > all.hi || threshold < all.lo))
       chosen_.warnings.push_back(
@@ -184,7 +188,7 @@ class Chooser {
     const std::string_view map = mapOr(look_, usualMap());
     chosen_.transfer = wholeRangeTransfer(map, map_range_);
     addMap(map);
-    add(rangeOption(map_range_));
+    addRange(map_range_);
     if (look_.opacity)
       chosen_.warnings.push_back(fmt::format(
           "--opacity {}: changes nothing in this --mode without --threshold", *look_.opacity));
@@ -211,7 +215,7 @@ class Chooser {
           scaleOpacity(std::move(chosen_.transfer), *look_.opacity / kDefaultOpacity);
     measureFlatness(made.map_range);
     addMap(made.map);
-    add(rangeOption(made.map_range));
+    addRange(made.map_range);
     add(pointsOption(chosen_.transfer.opacities));
   }
 
@@ -237,7 +241,7 @@ class Chooser {
     }
     chosen_.transfer = pointsTransfer(map, range, {{range_.lo, 0}});
     addMap(map);
-    add(rangeOption(range));
+    addRange(range);
   }
 
   Vec3d colorOf(const SurfaceLook& surface) const {
@@ -285,7 +289,10 @@ class Chooser {
     // A volume of one value is flat, whatever the unit.
     const double unit = range_.hi > range_.lo ? range_.hi - range_.lo : 1;
     chosen_.transfer = modulateByGradient(std::move(chosen_.transfer), look_.full_gradient * unit);
-    add(fmt::format(" --modulate --full-gradient {}", look_.full_gradient));
+    // A share of the range that the options say, which may be another one.
+    const double said = said_range_ ? said_range_->hi - said_range_->lo : unit;
+    const double share = said == unit ? look_.full_gradient : look_.full_gradient * unit / said;
+    add(fmt::format(" --modulate --full-gradient {}", share));
   }
 
   void attenuate() {
@@ -305,7 +312,8 @@ class Chooser {
   const ValueStatistics& values_;
   const LookArguments& look_;
   const Mode mode_;
-  const ValueRange map_range_, range_;  // the range as given, and ascending
+  const ValueRange map_range_, range_;    // the range as given, and ascending
+  std::optional<ValueRange> said_range_;  // that of the options, ascending
   ChosenLook chosen_;
 };
 

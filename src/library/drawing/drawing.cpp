@@ -167,7 +167,8 @@ Drawing::ReadyFrame Drawing::ready(const PictureOptions& picture, const IndexPas
   if (opened_->in_situ != nullptr) expectSameRequest(picture);
   FrameOptions options = looked(picture, steps.front(), pass);
   if (opened_->in_situ != nullptr)
-    expectSamePicture(options, resolve(options.camera, layout(), options.size, options.step_vox));
+    expectSamePicture(picture, options,
+                      resolve(options.camera, layout(), options.size, options.step_vox));
   if (opened_->in_situ != nullptr && opened_->in_situ->team().ranks() > 1 &&
       options.lighting.looksAround())
     failRequest(
@@ -261,7 +262,7 @@ void Drawing::drawToFile(const std::string& path, const PictureOptions& picture,
   in_file.with_depth = traitsOf(mode_).has_colors && pictureKind(path) == PictureKind::kExr;
   asked(in_file);  // throws before anything is read
   const ReadyFrame frame = ready(in_file, reading.pass, teller);
-  const std::string look = scene_.lookOf(frame.options);
+  const std::string look = scene_.lookOf(frame.options, picture);
   StripFile file(path, {background, false, {}},
                  {frame.options, *opened_->volume.source, scene_.look.transfer, look},
                  teller.stop());
@@ -346,7 +347,7 @@ void Drawing::writeExr(const std::string& path, const Image& image, const Pictur
   ProgressTeller teller(nobody, {});
   const Reading reading(*this, teller);
   const FrameOptions options = looked(picture, stepAt(picture.time, reading.pass), reading.pass);
-  const std::string look = scene_.lookOf(options);
+  const std::string look = scene_.lookOf(options, picture);
   const Picture drawn{image.width, image.height, image.rgba, image.depth};
   sluice::writeExr(path,
                    exrContents(drawn, background, false,

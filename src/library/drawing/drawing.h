@@ -74,7 +74,8 @@ class Drawing {
   // Ranks that draw together compare what they are asked for, before anything that all have to do,
   // and what they draw. Throws Error, at all of them.
   void expectSameRequest(const PictureOptions& picture) const;
-  void expectSamePicture(const FrameOptions& options, const View& view) const;
+  void expectSamePicture(const PictureOptions& picture, const FrameOptions& options,
+                         const View& view) const;
   // The corners of what shows of the boxes of all ranks.
   std::vector<Vec3d> pointsOfRanks(const std::vector<Vec3d>& own) const;
 

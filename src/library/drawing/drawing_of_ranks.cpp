@@ -38,7 +38,8 @@ void Drawing::expectSameRequest(const PictureOptions& picture) const {
       "draw the same picture on every rank");
 }
 
-void Drawing::expectSamePicture(const FrameOptions& options, const View& view) const {
+void Drawing::expectSamePicture(const PictureOptions& picture, const FrameOptions& options,
+                                const View& view) const {
   const InSitu& in_situ = *opened_->in_situ;
   Digest place;
   for (const Vec3d& vector : {view.eye, view.right, view.up, view.forward})
@@ -50,7 +51,7 @@ void Drawing::expectSamePicture(const FrameOptions& options, const View& view) c
     place.add(crop.hi[a]);
   }
   expectAgreement(in_situ.team(),
-                  {{"the look", scene_.lookOf(options)}, {"the view", "", place.value()}},
+                  {{"the look", scene_.lookOf(options, picture)}, {"the view", "", place.value()}},
                   "draw the same picture on every rank");
   const TransferFunction& transfer = scene_.look.transfer;
   const bool looks_around = options.shades || scene_.integrates(options) ||

@@ -9,6 +9,7 @@
 #include "src/base/threads/clock.h"
 #include "src/base/values/bytes.h"
 #include "src/library/drawing/empty_picture.h"
+#include "src/options/option_words.h"
 #include "src/render/blocks/cut_rules.h"
 
 namespace sluice {
@@ -208,10 +209,14 @@ std::string Scene::lookText() const {
   return lookOptions(asked, shown, look.options, look.mode);
 }
 
-std::string Scene::lookOf(const FrameOptions& options) const {
+std::string Scene::lookOf(const FrameOptions& options, const PictureOptions& picture) const {
   if (!traitsOf(options.mode).has_colors) return lookText();
+  ViewState state;
+  static_cast<PictureOptions&>(state) = picture;
+  const bool is_lit = std::ranges::any_of(layers(), [](const Layer* of) { return of->look.lit; });
+  state.look.light = is_lit ? LookOptions::Light::kOn : LookOptions::Light::kOff;
   return lookText() + fmt::format(" --step {}", options.step_vox) +
-         (integrates(options) ? " --quality normal" : "");
+         (integrates(options) ? " --quality normal" : "") + optionsText(lightWords(state));
 }
 
 bool Scene::integrates(const FrameOptions& options) const {

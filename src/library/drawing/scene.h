@@ -9,6 +9,8 @@
 // Used on one thread, the device's; workers of the pool run inside the calls.
 #pragma once
 
+#include <sluice/options.h>
+
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -111,8 +113,9 @@ struct Scene : Layer {
   double chosenStep(const TimeStep& step, const FrameOptions& options) const;
   // The options of `sluice render` that give the looks of all layers.
   std::string lookText() const;
-  // The same for a frame, with its distance between slices.
-  std::string lookOf(const FrameOptions& options) const;
+  // The same for a frame, with its distance between slices, and with the options of its light that
+  // the user set in `picture`, if they count.
+  std::string lookOf(const FrameOptions& options, const PictureOptions& picture) const;
   // Whether frames with these options are pre-integrated. Labels and cuts through levels never are.
   bool integrates(const FrameOptions& options) const;
 

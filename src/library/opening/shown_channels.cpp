@@ -246,12 +246,22 @@ namespace {
 std::string lookOption(const LookArguments& asked, const ShownChannel& channel) {
   const LookArguments look = lookOfChannel(asked, channel);
   ChannelLook own{.channel = channel.id(), .map = look.map};
-  if (look.labels) own.map = look.label_table.empty() ? kLabelsMap : look.label_table;
+  // Labels of all channels have options of their own.
+  const ChannelLook* const given = ownLook(asked, channel);
+  if (given != nullptr && asksForLabels(*given)) own.map = given->map;
   own.range = look.range;
   own.opacity = look.opacity;
-  if (look.range && !hasOpacities(channel.is_over ? LookArguments() : asked))
+  if (look.range && !look.labels && !hasOpacities(channel.is_over ? LookArguments() : asked))
     own.opacity = look.opacity.value_or(kDefaultOpacity);
   return " --look " + shellWord(channelLookText(own));
+}
+
+// The options of a volume that another one lies over. --shade would light that one, too, so it is
+// there only if the user gave it. Without it, the first volume is lit unless --no-shade is there.
+std::string belowAnother(std::string options, const LookArguments& asked) {
+  constexpr std::string_view kLit = " --shade";
+  if (!asked.shade && options.ends_with(kLit)) options.resize(options.size() - kLit.size());
+  return options;
 }
 
 }  // namespace
@@ -266,8 +276,10 @@ std::string lookOptions(const LookArguments& asked, const std::vector<const Show
   }
   const std::string combine = asked.combine == Combine::kBlend ? " --combine blend" : "";
   const ShownChannel& first = *shown.front();
-  if (first.is_alone && ownLook(asked, first) == nullptr) return first_options + looks + combine;
-  std::string text = "--channel " + channels + combine;
+  if (first.is_alone && ownLook(asked, first) == nullptr)
+    return belowAnother(first_options, asked) + looks + combine;
+  // A volume's only channel needs no name, and may have none.
+  std::string text = (first.is_alone ? "" : "--channel " + channels) + combine;
   if (asked.threshold) text += fmt::format(" --threshold {}", *asked.threshold);
   if (!asked.transfer_file.empty()) text += " --transfer " + shellWord(asked.transfer_file);
   if (asked.labels) text += " --labels";
@@ -278,10 +290,16 @@ std::string lookOptions(const LookArguments& asked, const std::vector<const Show
     text += fmt::format("{}{}:{}", i == 0 ? " --opacities " : ",", asked.opacities[i].value,
                         asked.opacities[i].opacity);
   text += looks;
-  if (!traitsOf(mode).has_colors) return text;
-  if (asked.modulate) text += fmt::format(" --modulate --full-gradient {}", asked.full_gradient);
-  if (asked.shade) text += " --shade";
-  return text;
+  if (asked.this_step) text += " --this-step";
+  if (traitsOf(mode).combining == Combining::kAttenuated)
+    text += fmt::format(" --attenuation {}", asked.attenuation);
+  const bool has_colors = traitsOf(mode).has_colors;
+  for (size_t i = 0; has_colors && i < asked.surfaces.size(); ++i)
+    text += (i == 0 ? " --iso " : ",") + surfaceLookText(asked.surfaces[i]);
+  if (has_colors && asked.modulate)
+    text += fmt::format(" --modulate --full-gradient {}", asked.full_gradient);
+  if (has_colors && asked.shade) text += " --shade";
+  return text.starts_with(' ') ? text.substr(1) : text;
 }
 
 namespace {

@@ -5,15 +5,12 @@
 #include <sluice/report.h>
 
 #include <string>
-#include <utility>
 #include <vector>
 
+#include "src/options/option_words.h"
 #include "src/options/view_state.h"
 
 namespace sluice {
-
-// An option and its value; of a flag that is empty.
-using OptionWord = std::pair<std::string, std::string>;
 
 // The volume's options (--dims, --type, ...), without its paths.
 std::vector<OptionWord> volumeWords(const VolumeOptions& options);
