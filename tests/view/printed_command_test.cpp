@@ -94,6 +94,18 @@ TEST(PrintedCommand, leavesOutWhatDoesNotCount) {
   EXPECT_NE(said().find("--step=2"), std::string::npos) << said();
 }
 
+TEST(PrintedCommand, namesChannelsOnce) {
+  ViewedVolume volume;
+  volume.paths = {"a.ome.zarr"};
+  volume.options.channel_name = "2,0";
+  const auto said = [&](const std::string& look) {
+    return renderCommand(volume, {}, look, 10, 10, "b.png");
+  };
+  EXPECT_NE(said("").find("render a.ome.zarr --channel=2,0 "), std::string::npos) << said("");
+  const std::string look = "--channel 2,0 --look 2:green --look 0:red";
+  EXPECT_NE(said(look).find("render a.ome.zarr " + look + " "), std::string::npos) << said(look);
+}
+
 TEST(PrintedCommand, namesThatBeginAsOptionsAreFiles) {
   ViewedVolume volume;
   volume.paths = {"-a.nrrd"};

@@ -53,7 +53,13 @@ std::string renderCommand(const ViewedVolume& volume, const ViewState& state,
   std::string command = "sluice render";
   for (const std::string& path : volume.paths) command += " " + shellWord(asOperand(path));
   const auto add = [&](const std::vector<OptionWord>& words) { command += optionsText(words); };
-  add(volumeWords(volume.options));
+  // The look of several channels names them.
+  VolumeOptions options = volume.options;
+  if (look.starts_with("--channel ")) {
+    options.channel.reset();
+    options.channel_name.clear();
+  }
+  add(volumeWords(options));
   if (look.empty()) {
     add(lookWords(state.look));
   } else {
