@@ -91,7 +91,7 @@ TEST(Films, sayInALineWhatIsMissing) {
   const CommandResult failed = film(program, render + "--frames 2");
   EXPECT_EQ(failed.status, 1);
   EXPECT_THAT(failed.output, HasSubstr("a.mp4: ffmpeg failed: no such encoder"));
-  // As it does if the disk is full when it closes the file.
+  // The real one does so if the disk is full when it closes the file.
   const FakeFfmpeg full(program, std::string(FakeFfmpeg::kWrites) + "echo No space left >&2\n");
   const CommandResult cut = film(program, render + "--frames 2");
   EXPECT_EQ(cut.status, 1);
