@@ -1,4 +1,4 @@
-// What lies at the name that a user gives for a volume.
+// NamedInput: a user's name for a volume, with the file, folder or store that lies there.
 #pragma once
 
 #include <filesystem>
@@ -10,7 +10,6 @@
 
 namespace sluice {
 
-// A user's name for one volume, and what lies there.
 struct NamedInput {
   std::string name;  // as it was given
   // A file or folder of this machine; empty: an address, a synthetic volume.

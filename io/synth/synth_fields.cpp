@@ -138,7 +138,7 @@ class SparseField : public SynthField {
     const int64_t end = x0 + static_cast<int64_t>(row.size());
     bool any = false;
     for (int64_t brick = x0 / kBrick; brick * kBrick < end; ++brick) {
-      if (placeOf({brick, y / kBrick, z / kBrick}) >= chance_) continue;
+      if (lotOf({brick, y / kBrick, z / kBrick}) >= chance_) continue;
       if (!any) std::fill(row.begin(), row.end(), 0.0F);
       any = true;
       const int64_t lo = std::max(brick * kBrick, x0), hi = std::min((brick + 1) * kBrick, end);
@@ -157,8 +157,8 @@ class SparseField : public SynthField {
   static constexpr double kRadius = 15.5;
   static constexpr double kBallShare = 15408.0 / (kBrick * kBrick * kBrick);  // voxels counted
 
-  // A number from 0 to 1, by which bricks come to have balls.
-  double placeOf(Vec3i brick) const { return unitFrom(hash64(seed_, brick.x, brick.y, brick.z)); }
+  // The brick's lot, from 0 to 1: those with the lowest have balls.
+  double lotOf(Vec3i brick) const { return unitFrom(hash64(seed_, brick.x, brick.y, brick.z)); }
   // The chance, or, in a volume so small that no brick might have a ball, as much as gives one.
   double chanceOf(double chance, Vec3i dims) const {
     const auto centers = [](int64_t voxels) {
@@ -170,7 +170,7 @@ class SparseField : public SynthField {
     double least = 1;
     for (int64_t z = 0; z < bricks.z; ++z)
       for (int64_t y = 0; y < bricks.y; ++y)
-        for (int64_t x = 0; x < bricks.x; ++x) least = std::min(least, placeOf({x, y, z}));
+        for (int64_t x = 0; x < bricks.x; ++x) least = std::min(least, lotOf({x, y, z}));
     return std::max(chance, std::nextafter(least, 1.0));
   }
 
