@@ -88,8 +88,9 @@ class RawSource::Gather {
     std::byte* to;
     uint64_t bytes;
   };
-  // Below the size that allocators map anew each time.
-  static constexpr uint64_t kSpanBytes = 256 << 10;
+  // Below the size that allocators map anew each time, 128 KiB (tools/main.cpp), whose pages would
+  // be faults again for each gather.
+  static constexpr uint64_t kSpanBytes = 120 << 10;
 
   void read(uint64_t offset, std::span<std::byte> to) {
     const iovec part{to.data(), to.size()};
