@@ -29,6 +29,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 #include "src/cpu/texels.inl"
 #include "src/cpu/colors.inl"
 #include "src/cpu/lighting.inl"
+#include "src/cpu/label_slopes.inl"
 #include "src/cpu/leaps.inl"
 #include "src/cpu/segments.inl"
 #include "src/cpu/sample_colors.inl"

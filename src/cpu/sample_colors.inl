@@ -27,13 +27,23 @@ HWY_INLINE V3 differencesOf(const KernelBox& box, const V3& at, const Place& pla
                         : differencesWithoutMargin<kType, kSpread>(box, at);
 }
 
+// The colour of a sample with its light. `gradient`: of the values, which the numbers of labels are
+// not.
+template <DeviceType kType, Shading kShading>
+HWY_INLINE Color shadedSample(const KernelFrame& frame, const KernelBox& box, const V3& at,
+                              const Place& place, const Color& color, const Gradient& gradient) {
+  if (!frame.labels) return shaded(frame, box, at, color, gradient, frame.flat);
+  const V3 slopes = labelSlopesAt<kType, kShading == Shading::kShares>(frame, box, at, place);
+  return shaded(frame, box, at, color, gradientOf(box, slopes), frame.flat);
+}
+
 // The colour of a label of which a texel's finest voxels have a share.
 template <DeviceType kType>
 HWY_INLINE Color sharedColorOf(const KernelFrame& frame, const KernelBox& box, const V3& at,
                                const Place& place, V label, V share, V ray_length) {
   const V entry = entryOf(frame, label);
   Gradient gradient{};
-  if (frame.lit || frame.rows > 0)
+  if (frame.rows > 0)
     gradient = gradientOf(box, differencesOf<kType, Shading::kShares>(box, at, place));
   const Color one = entryAt(frame.label_entries, wholeOf(hn::Add(entry, all(0.5F))));
   V a = hn::Mul(one.a, share);
@@ -41,7 +51,8 @@ HWY_INLINE Color sharedColorOf(const KernelFrame& frame, const KernelBox& box, c
     a = hn::Mul(a, factorAt(frame, hn::Mul(gradient.unit, hn::Sqrt(gradient.squared)), entry));
   a = corrected(a, hn::Mul(ray_length, all(frame.slice_length)));
   const Color color{hn::Mul(one.r, a), hn::Mul(one.g, a), hn::Mul(one.b, a), a};
-  return frame.lit ? shaded(frame, box, at, color, gradient, frame.flat) : color;
+  return frame.lit ? shadedSample<kType, Shading::kShares>(frame, box, at, place, color, gradient)
+                   : color;
 }
 
 template <DeviceType kType, Shading kShading>
@@ -61,7 +72,7 @@ HWY_INLINE Color colorOf(const KernelFrame& frame, const KernelBox& box, const V
     Gradient gradient{};
     // The opacity of spreads may not need it: then only samples that show something do.
     const bool comes_later = kShading == Shading::kSpread && frame.rows == 0;
-    if (!comes_later && (kShading == Shading::kGradients || frame.lit || frame.rows > 0))
+    if (!comes_later && (frame.rows > 0 || (frame.lit && !frame.labels)))
       gradient = gradientOf(box, differencesOf<kType, kShading>(box, at, place));
     V factor = all(1.0F);
     if (frame.rows > 0) {
@@ -83,7 +94,7 @@ HWY_INLINE Color colorOf(const KernelFrame& frame, const KernelBox& box, const V
       if (!frame.lit || hn::AllFalse(F(), hn::Gt(color.a, hn::Zero(F())))) return color;
       gradient = gradientOf(box, differencesOf<kType, kShading>(box, at, place));
     }
-    if (frame.lit) color = shaded(frame, box, at, color, gradient, frame.flat);
+    if (frame.lit) color = shadedSample<kType, kShading>(frame, box, at, place, color, gradient);
   }
   return color;
 }

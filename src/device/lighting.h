@@ -6,8 +6,12 @@
 //   lit = colour * (ambient + diffuse * sum_l s_l |n.l|) + specular * sum_l s_l |n.h_l|^shininess
 //   shown = mix(colour, lit, w),   h_l = normalized(l + toward the viewer), toward viewer =
 //   -forward
-// so that flat regions, whose direction is noise, keep their own colour without a jump. Labels have
-// no flat regions: `flat` is 0.
+// so that flat regions, whose direction is noise, keep their own colour without a jump.
+//
+// The numbers of labels are no values. Their g is that of their opacity of one voxel length, by
+// Sobel's operator at the eight texels around the sample, interpolated, so that only what shows has
+// a surface, whatever the numbers, and the steps of voxels leave fewer traces on it: on a ball of
+// 22 voxels the normal is off by 5.5 degrees on average, and by 10.5 with central differences.
 //
 // With a LightVolume, a share `key` of the first light arrives at the sample, and a share `open` of
 // all other light: s_1 is multiplied by `key`, s_2 and `ambient` by `open`, and the colour of flat
@@ -24,6 +28,10 @@
 #include "src/base/values/vec.h"
 
 namespace sluice {
+
+// Labels: `flat` in opacities of one voxel length a finest spacing, less than any label's that is
+// seen, and more than rounding.
+inline constexpr double kFlatOpacity = 1e-3;
 
 struct Light {
   Vec3d toward;     // unit, camera space: x right, y up, z toward the viewer

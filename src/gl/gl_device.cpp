@@ -210,10 +210,8 @@ GlProgram& GlDevice::frameProgram(Vec3d scale, bool has_spread) {
   if (told_.insert(variant).second) {
     setFrame(program);
     if (variant.spread) look_.setExpected(setup_, program);
-    if (variant.shares) {
+    if (variant.shares)
       program.set("share_unit", valueScale(setup_.type) / wholeShare(setup_.type));
-      program.set("unit_lengths", setup_.slice_length);
-    }
     if (variant.integrates) look_.setSums(setup_, program);
   }
   if (variant.scaled) program.set("texel_scale", scale);

@@ -38,7 +38,8 @@ void LookTextures::uploadLookUp(const FrameSetup& setup, const ShaderVariant& va
   LookUpKey key = lookUpKey(setup);
   if (look_up_key_ == key) return;
   const auto width = static_cast<GLsizei>(setup.look_up->rgba.size() / 4);
-  std::vector<float> texels = lookUpTexels(key);
+  // The opacity of a label depends on the share of a texel that has it: the shader does the rest.
+  std::vector<float> texels = variant.labels ? setup.look_up->rgba : lookUpTexels(key);
   look_up_key_ = std::move(key);
   // Tables of labels may have more entries than a texture is wide; LABEL_ROW in the shader.
   constexpr GLsizei kLabelRow = 4096;

@@ -367,6 +367,14 @@ void PlainDevice::take(const Ray& ray, const BoxDraw& box, const ChunkTexels& ch
       if (!(opacity > 0)) return true;
       rgb = sum / opacity;
     }
+    if (setup_.lit && labels) {
+      const Vec3d slopes = labelSlopesAt(chunk, look_up, texel);
+      gradient = {};
+      for (int a = 0; a < 3; ++a) {
+        const auto axis = static_cast<size_t>(box.texels.axes[static_cast<size_t>(a)]);
+        gradient = gradient + setup_.camera_gradient[axis] * (slopes[a] * box.texels.scale[a]);
+      }
+    }
     if (setup_.lit) rgb = litPlainly(setup_, p, rgb, gradient, setup_.flat);
     const Sample sample{rgb, opacity,
                         setup_.first_depth + (k + ray.jitter + 0.5) * setup_.depth_step};

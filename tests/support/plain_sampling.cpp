@@ -106,6 +106,29 @@ double shareAt(const ChunkTexels& chunk, Vec3d at, double label) {
   return 1 - others / whole / wholeShare(chunk.type);
 }
 
+Vec3d labelSlopesAt(const ChunkTexels& chunk, const LookUp& look_up, Vec3d at) {
+  const auto opacityOf = [&](Vec3i texel) {
+    const double label = texelAt(chunk, texel);
+    return label < kNoNumber ? 0.0 : lookedUp(look_up, label, false)[3];
+  };
+  Vec3d slopes;
+  for (int axis = 0; axis < 3; ++axis)
+    slopes[axis] = interpolated(at, [&](Vec3i texel) {
+      double slope = 0;
+      for (int64_t z = -1; z <= 1; ++z)
+        for (int64_t y = -1; y <= 1; ++y)
+          for (int64_t x = -1; x <= 1; ++x) {
+            const Vec3i way{x, y, z};
+            double weight = static_cast<double>(way[axis]) / 32;
+            for (int a = 0; a < 3; ++a)
+              if (a != axis && way[a] == 0) weight *= 2;
+            slope += weight * opacityOf(texel + way);
+          }
+      return slope;
+    });
+  return slopes;
+}
+
 MeanLook::MeanLook(const LookUp& look_up) {
   const size_t entries = look_up.rgba.size() / 4;
   const ValueRange range = look_up.device_range;

@@ -26,6 +26,10 @@ double labelAt(const ChunkTexels& chunk, Vec3d at);
 // has shares.
 double shareAt(const ChunkTexels& chunk, Vec3d at, double label);
 
+// The change of the labels' opacity of a unit length from texel to texel along each axis there: the
+// slope of Sobel's operator at the eight texels around, trilinear.
+Vec3d labelSlopesAt(const ChunkTexels& chunk, const LookUp& look_up, Vec3d at);
+
 // The table's entry of a device value, interpolated between two entries if it interpolates.
 std::array<double, 4> lookedUp(const LookUp& look_up, double value, bool interpolates);
 

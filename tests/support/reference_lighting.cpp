@@ -5,7 +5,7 @@
 namespace sluice {
 
 double flatReference(const ReferenceScene& scene, double finest) {
-  if (scene.transfer.labels) return 0;
+  if (scene.transfer.labels) return 1e-3 / finest;
   return scene.lighting->flat_share * (scene.value_range.hi - scene.value_range.lo) / finest;
 }
 

@@ -274,8 +274,8 @@ class Renderer {
   }
   Vec3d litAt(Vec3d p, Vec3d rgb) const {
     if (!scene_.lighting) return rgb;
-    return litReference(scene_, view_, flatReference(scene_, finest_), gradient(p), rgb,
-                        light_.at(p));
+    const Vec3d g = scene_.transfer.labels ? labelGradient(p) : gradient(p);
+    return litReference(scene_, view_, flatReference(scene_, finest_), g, rgb, light_.at(p));
   }
 
   // The surfaces that the ray meets on the way for which the sample stands, and between them the
@@ -476,6 +476,35 @@ class Renderer {
       const double difference = values_.at(after) - values_.at(before);
       if (std::isnan(difference)) continue;  // tells nothing of the slope along this axis
       g = g + layout_.axes[static_cast<size_t>(a)] * (difference / (2 * layout_.spacing[a]));
+    }
+    return g;
+  }
+
+  // The same of the opacity of labels: Sobel's weights (1, 2, 1) across an axis and (-1, 0, 1)
+  // along it at each voxel around, whose sums are interpolated.
+  Vec3d labelGradient(Vec3d p) const {
+    const Box3 all = boxOf(layout_.dims);
+    const Vec3d low{std::floor(p.x), std::floor(p.y), std::floor(p.z)};
+    Vec3d g;
+    for (int i = 0; i < 8 * 27; ++i) {
+      Vec3d way, voxel = low;
+      double weight = 1;
+      for (int a = 0, corner = i / 27, rest = i % 27; a < 3; ++a, corner /= 2, rest /= 3) {
+        way[a] = rest % 3 - 1;
+        voxel[a] += corner % 2 + way[a];
+        weight *= corner % 2 != 0 ? p[a] - low[a] : 1 - (p[a] - low[a]);
+      }
+      if (weight == 0) continue;
+      const double label = values_.at(clampedTo(all, voxel));
+      if (std::isnan(label)) continue;
+      const double opacity = opacityAt(scene_.transfer, label);
+      for (int a = 0; a < 3; ++a) {
+        double across = 1;
+        for (int b = 0; b < 3; ++b)
+          if (b != a) across *= way[b] == 0 ? 0.5 : 0.25;
+        const double slope = weight * across * way[a] / 2 * opacity;
+        g = g + layout_.axes[static_cast<size_t>(a)] * (slope / layout_.spacing[a]);
+      }
     }
     return g;
   }

@@ -43,7 +43,7 @@ void addSample(int k, float ray_length, inout vec4 total, inout float clear) {
 #if GOES_AHEAD
   if (value < visible.x || value > visible.y) return;
 #endif
-#if GRADIENT_ROWS > 0
+#if GRADIENT_ROWS > 0 || LABELS
   float voxel_lengths = slice_length * ray_length;
 #else
   const float voxel_lengths = 1.0;

@@ -35,6 +35,18 @@ vec4 cued(vec4 color, float slice) {
 
 const char* const kColorText = R"(
 uniform sampler2D look_up;
+#if GRADIENT_ROWS > 0 || LABELS
+uniform float slice_length;  // unit lengths between samples
+
+// The opacity of `lengths` unit lengths from that of one.
+float corrected(float opacity, float lengths) {
+#if CORRECTS
+  return opacity < 1.0 ? 1.0 - exp2(lengths * log2(1.0 - opacity)) : 1.0;
+#else
+  return opacity;
+#endif
+}
+#endif
 #if LABEL_TABLE
 #define LABEL_ROW 4096
 uniform int label_entries;
@@ -43,6 +55,7 @@ vec4 labelEntry(int i) {
   return texelFetch(look_up, ivec2(i % LABEL_ROW, i / LABEL_ROW), 0);
 }
 #if LABELS
+// Not premultiplied, with the opacity of a unit length.
 vec4 labelColor(float entry) { return labelEntry(int(entry * float(label_entries))); }
 #else
 // Between two entries, which may lie in two rows, so that the hardware cannot interpolate.
@@ -50,29 +63,6 @@ vec4 betweenLabels(float entry) {
   float place = clamp(entry * float(label_entries) - 0.5, 0.0, float(label_entries - 1));
   int i = int(place);
   return mix(labelEntry(i), labelEntry(i + 1), place - float(i));
-}
-#endif
-
-#if SHARES
-uniform float unit_lengths;  // between samples
-// The colour of a label, premultiplied, if its opacity of a unit length is multiplied by `share`.
-// `rgba` is the look-up's, see lookUpTexels().
-vec4 sharedColor(vec4 rgba, float share, float ray_length) {
-#if PERSPECTIVE || GRADIENT_ROWS > 0
-  vec3 rgb = rgba.rgb;
-#else
-  vec3 rgb = rgba.rgb / max(rgba.a, 1e-20);
-#endif
-#if GRADIENT_ROWS > 0
-  float one = rgba.a;
-#elif PERSPECTIVE
-  float one = 1.0 - exp2(rgba.a / unit_lengths);
-#else
-  float one = rgba.a < 1.0 ? 1.0 - exp2(log2(1.0 - rgba.a) / unit_lengths) : 1.0;
-#endif
-  one *= share;
-  float a = one < 1.0 ? 1.0 - exp2(unit_lengths * ray_length * log2(1.0 - one)) : 1.0;
-  return vec4(rgb * a, a);
 }
 #endif
 #endif
@@ -95,7 +85,6 @@ float squareOf(vec3 difference) {
 #endif
 
 #if GRADIENT_ROWS > 0
-uniform float slice_length;
 #if GRADIENT_ROWS > 2
 uniform vec4 gradient_rows[GRADIENT_ROWS];  // as `ramp`, from each row to the next
 #endif
@@ -117,15 +106,6 @@ float factorOf(float magnitude, float entry) {
   factor = textureLod(factors, vec2(entry, (row + 0.5) / float(GRADIENT_ROWS)), 0.0).r;
 #endif
   return factor;
-}
-
-// The opacity of `voxel_lengths` from that of one.
-float corrected(float opacity, float voxel_lengths) {
-#if CORRECTS
-  return opacity < 1.0 ? 1.0 - exp2(voxel_lengths * log2(1.0 - opacity)) : 1.0;
-#else
-  return opacity;
-#endif
 }
 #endif
 
@@ -247,14 +227,54 @@ vec4 entryColor(float value, float entry) {
 #endif
 }
 
+#if LABELS && LIT
+// The change of the labels' opacity from texel to texel, by Sobel's operator at the eight texels
+// around a place, interpolated: see lighting.h.
+float opacityAt(ivec3 texel) {
+  float label = texelFetch(chunk, clamp(texel, ivec3(0), textureSize(chunk, 0) - 1), 0).r;
+  return entryColor(label, entryOf(label)).a;
+}
+// Sobel's weights of four texels along an axis, for the slope along it and a mean across it.
+vec4 slopeWeights(float part) { return 0.5 * vec4(part - 1.0, -part, 1.0 - part, part); }
+vec4 meanWeights(float part) {
+  return 0.25 * vec4(1.0 - part, 2.0 - part, 1.0 + part, part);
+}
+vec3 labelSlopes(vec3 at) {
+  vec3 texel = at / texel_size - 0.5;
+  vec3 low = floor(texel), part = texel - low;
+  vec4 slope_x = slopeWeights(part.x), slope_y = slopeWeights(part.y);
+  vec4 mean_x = meanWeights(part.x), mean_y = meanWeights(part.y);
+  vec4 planes_x, planes_y, planes_z;
+  for (int k = 0; k < 4; ++k) {
+    vec4 slopes, means;
+    for (int j = 0; j < 4; ++j) {
+      ivec3 row = ivec3(low) + ivec3(-1, j - 1, k - 1);
+      vec4 opacity = vec4(opacityAt(row), opacityAt(row + ivec3(1, 0, 0)),
+                          opacityAt(row + ivec3(2, 0, 0)), opacityAt(row + ivec3(3, 0, 0)));
+      slopes[j] = dot(opacity, slope_x);
+      means[j] = dot(opacity, mean_x);
+    }
+    planes_x[k] = dot(slopes, mean_y);
+    planes_y[k] = dot(means, slope_y);
+    planes_z[k] = dot(means, mean_y);
+  }
+  vec4 mean_z = meanWeights(part.z);
+  return vec3(dot(planes_x, mean_z), dot(planes_y, mean_z), dot(planes_z, slopeWeights(part.z)));
+}
+#endif
+
 #if COMBINING == 0
 // The colour of a composite sample, premultiplied: `color` is that of its look-up. `share`: of the
-// label, with SHARES. `ray_length`: slices from sample to sample; `voxel_lengths`: the same in unit
-// lengths, for gradient factors.
+// label. `ray_length`: slices from sample to sample; `voxel_lengths`: the same in unit lengths, for
+// gradient factors and labels.
 vec4 shownColor(vec4 color, float value, float share, float entry, vec3 at, float ray_length,
                 float voxel_lengths, vec3 light_at) {
 #if GRADIENTS
+#if LABELS && GRADIENT_ROWS == 0
+  vec3 difference = labelSlopes(at);
+#else
   vec3 difference = differenceAt(at);
+#endif
   float unit = 1.0;
 #if FLOATS
   // In units of the steepest axis, since squares of the values themselves may overflow.
@@ -269,7 +289,9 @@ vec4 shownColor(vec4 color, float value, float share, float entry, vec3 at, floa
   color.a = 1.0 - exp2(-color.a);
 #endif
   factor = factorOf(unit * sqrt(squared), entry);
-  color.a = corrected(color.a * factor, voxel_lengths);
+#endif
+#if GRADIENT_ROWS > 0 || LABELS
+  color.a = corrected(color.a * share * factor, voxel_lengths);
   color.rgb *= color.a;
 #elif INTEGRATES
   color.a = 1.0 - exp2(-color.a * ray_length);
@@ -278,16 +300,6 @@ vec4 shownColor(vec4 color, float value, float share, float entry, vec3 at, floa
   color.a = 1.0 - exp2(color.a * ray_length);
   color.rgb *= color.a;
 #endif
-#if SHARES
-#if GRADIENT_ROWS > 0
-  color = sharedColor(labelColor(entry), share * factor, ray_length);
-#else
-  color = sharedColor(labelColor(entry), share, ray_length);
-#endif
-#if FLOATS
-  if (IS_NO_NUMBER(vec3(value)).x) color = vec4(0.0);
-#endif
-#endif
 #if SPREAD
   color = expectedColor(value, spreadShareAt(at), factor, ray_length, color);
 #if FLOATS
@@ -295,6 +307,11 @@ vec4 shownColor(vec4 color, float value, float share, float entry, vec3 at, floa
 #endif
 #endif
 #if LIT
+#if LABELS && GRADIENT_ROWS > 0
+  difference = labelSlopes(at);
+  squared = squareOf(difference);
+  unit = 1.0;
+#endif
   float flatness = reflection.w / unit;
   color = shade(color, difference, squared, flatness * flatness, light_at);
 #endif

@@ -28,7 +28,7 @@ void main() {
   vec3 first = texel0 + pixel.x * texel_dx + pixel.y * texel_dy + jitter * along;
 #endif
   float ray_length = rayLengthAt(pixel);
-#if GRADIENT_ROWS > 0
+#if GRADIENT_ROWS > 0 || LABELS
   float voxel_lengths = slice_length * ray_length;
 #else
   const float voxel_lengths = 1.0;

@@ -79,7 +79,8 @@ constexpr const char* kOfChannels[] = {
     "texel_dx",      "texel_dy",        "texel_size",       "texelAt",
     "texelOf",       "textureOrder",    "toward0",          "toward1",
     "turn",          "view_reflection", "visible",          "visible_texels",
-    "weightOf"};
+    "weightOf",      "labelSlopes",     "opacityAt",        "slopeWeights",
+    "meanWeights"};
 
 // The text of one channel: the same as that of a single one, with names of its own.
 std::string channelText(const ShaderVariant& variant, size_t channel) {

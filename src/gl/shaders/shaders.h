@@ -23,7 +23,7 @@ struct ShaderVariant {
   int shininess = 0;          // lit: the exponent if it is a small whole number, otherwise 0
   int gradient_rows = 0;      // rows of gradient factors; 0: the opacity follows from values
   bool factor_table = false;  // factors depend on the value too
-  bool corrects = false;      // with factors: a sample's length is not the opacity's
+  bool corrects = false;      // with factors or labels: a sample's length is not the opacity's
   bool goes_ahead = false;    // leaves out samples that show nothing
   bool labels = false;        // values are names, see LookUp
   bool label_table = false;   // the look-up is one of labels, in rows, whatever the values are

@@ -65,7 +65,9 @@ void setLights(const FrameSetup& setup, GlProgram& program) {
     halfway.add(along(setup, normalized(light.toward + Vec3d{0, 0, 1})));
     reflection.add(light.strength * lighting.specular);
   }
-  reflection.add(lighting.ambient).add(setup.flat / valueScale(setup.type));
+  // Of labels the gradient is one of opacities.
+  reflection.add(lighting.ambient)
+      .add(setup.look_up->labels ? setup.flat : setup.flat / valueScale(setup.type));
   program.set3("index_toward", toward.data(), 2);
   program.set3("index_halfway", halfway.data(), 2);
   program.set4("view_reflection", reflection.data(), 1);
@@ -113,7 +115,8 @@ void chooseShading(const FrameSetup& setup, ShaderVariant& variant) {
   const LookUp& look_up = *setup.look_up;
   variant.gradient_rows = static_cast<int>(look_up.magnitudes.size());
   variant.factor_table = look_up.factors.size() > look_up.magnitudes.size();
-  variant.corrects = variant.gradient_rows > 0 && (variant.perspective || setup.slice_length != 1);
+  variant.corrects = (variant.gradient_rows > 0 || variant.labels) &&
+                     (variant.perspective || setup.slice_length != 1);
   // Between finite values the hardware's are off by little, but not next to those that stand for
   // infinities or NaN.
   variant.rough_first = variant.fetches && !variant.floats && !setup.shades_every_sample;
@@ -202,6 +205,7 @@ void setView(const FrameSetup& setup, PictureRows rows, GlProgram& program) {
 void setShading(const FrameSetup& setup, const ShaderVariant& variant, GlProgram& program) {
   if (variant.goes_ahead || variant.rough_first) setVisible(setup, program);
   if (variant.surfaces > 0) setSurfaces(setup, program);
+  program.set("slice_length", setup.slice_length);
   if (!variant.lit && variant.gradient_rows == 0) return;
   const auto& axes = setup.camera_gradient;
   program.set("index_slope", Vec3d{length(axes[0]), length(axes[1]), length(axes[2])});
@@ -211,7 +215,6 @@ void setShading(const FrameSetup& setup, const ShaderVariant& variant, GlProgram
   const Floats rows = rowsOf(setup);
   program.set4("first_rows", rows.data(), 1);
   program.set4("gradient_rows", rows.data(), variant.gradient_rows);
-  program.set("slice_length", setup.slice_length);
 }
 
 void setCueing(const FrameSetup& setup, GlProgram& program) {

@@ -115,7 +115,7 @@ FrameSetup setupOf(const View& view, const VolumeLayout& layout, const OpacityTa
   }
   const ValueRange range = table.volumeRange();
   setup.flat = options.lighting.flat_share * (range.hi - range.lo) / finestSpacing(layout);
-  if (table.labels()) setup.flat = 0;  // a label's number tells nothing of how steep its surface is
+  if (table.labels()) setup.flat = kFlatOpacity / finestSpacing(layout);
   return setup;
 }
 
