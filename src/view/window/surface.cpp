@@ -2,8 +2,13 @@
 
 #define GLFW_INCLUDE_GLEXT
 #include <GLFW/glfw3.h>
+#include <backends/imgui_impl_glfw.h>
 #include <fmt/format.h>
+#include <imgui.h>
 
+#include <algorithm>
+#include <cmath>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -24,6 +29,14 @@ constexpr uint64_t kMostSaid = 20;  // errors of OpenGL in the log
 
 Events& eventsOf(GLFWwindow* window) {
   return *static_cast<Events*>(glfwGetWindowUserPointer(window));
+}
+
+using Kind = InputEvent::Kind;
+
+void add(GLFWwindow* window, const InputEvent& event) {
+  Events& events = eventsOf(window);
+  ++events.count;
+  events.input.add(event);
 }
 
 }  // namespace
@@ -55,11 +68,31 @@ GLFWwindow* makeWindow(const WindowRequest& request, float panel_width) {
 
 void watchEvents(GLFWwindow* window, Events& events) {
   glfwSetWindowUserPointer(window, &events);
-  glfwSetCursorPosCallback(window, [](GLFWwindow* w, double, double) { ++eventsOf(w).count; });
-  glfwSetMouseButtonCallback(window, [](GLFWwindow* w, int, int, int) { ++eventsOf(w).count; });
-  glfwSetScrollCallback(window, [](GLFWwindow* w, double, double) { ++eventsOf(w).count; });
-  glfwSetKeyCallback(window, [](GLFWwindow* w, int, int, int, int) { ++eventsOf(w).count; });
-  glfwSetCharCallback(window, [](GLFWwindow* w, unsigned) { ++eventsOf(w).count; });
+  double x = 0, y = 0;
+  glfwGetCursorPos(window, &x, &y);
+  events.x = std::floor(x);
+  events.y = std::floor(y);
+  glfwSetCursorPosCallback(window, [](GLFWwindow* w, double to_x, double to_y) {
+    add(w, {.kind = Kind::kMove, .x = to_x, .y = to_y});
+  });
+  glfwSetMouseButtonCallback(window, [](GLFWwindow* w, int button, int action, int) {
+    add(w, {.kind = Kind::kButton, .code = button, .is_on = action != GLFW_RELEASE});
+  });
+  glfwSetScrollCallback(window, [](GLFWwindow* w, double by_x, double by_y) {
+    add(w, {.kind = Kind::kWheel, .x = by_x, .y = by_y});
+  });
+  glfwSetKeyCallback(window, [](GLFWwindow* w, int key, int, int action, int) {
+    add(w, {.kind = Kind::kKey, .code = key, .is_on = action != GLFW_RELEASE});
+  });
+  glfwSetCharCallback(window, [](GLFWwindow* w, unsigned character) {
+    add(w, {.kind = Kind::kText, .code = static_cast<int>(character)});
+  });
+  glfwSetCursorEnterCallback(window, [](GLFWwindow* w, int entered) {
+    add(w, {.kind = Kind::kEnter, .is_on = entered != 0});
+  });
+  glfwSetWindowFocusCallback(window, [](GLFWwindow* w, int focused) {
+    add(w, {.kind = Kind::kFocus, .is_on = focused != 0});
+  });
   glfwSetFramebufferSizeCallback(window, [](GLFWwindow* w, int, int) { ++eventsOf(w).count; });
   glfwSetWindowRefreshCallback(window, [](GLFWwindow* w) {
     ++eventsOf(w).count;
@@ -69,6 +102,47 @@ void watchEvents(GLFWwindow* window, Events& events) {
     ++eventsOf(w).count;
     eventsOf(w).dropped.assign(paths, paths + count);
   });
+}
+
+void takeInput(GLFWwindow* window, Events& events, WindowState& state) {
+  state.pointer.steps.clear();
+  for (const InputEvent& event : events.input.take()) {
+    const int is_on = event.is_on ? GLFW_TRUE : GLFW_FALSE;
+    switch (event.kind) {
+      case Kind::kMove: {
+        const double x = std::floor(event.x), y = std::floor(event.y);
+        state.pointer.steps.push_back({x - events.x, y - events.y});
+        events.x = x;
+        events.y = y;
+        break;
+      }
+      case Kind::kButton:
+        if (event.code >= 0 && static_cast<size_t>(event.code) < events.is_down.size())
+          events.is_down[static_cast<size_t>(event.code)] = event.is_on;
+        break;
+      case Kind::kWheel:
+        ImGui_ImplGlfw_ScrollCallback(window, event.x, event.y);
+        break;
+      case Kind::kKey:
+        ImGui_ImplGlfw_KeyCallback(window, event.code, 0, is_on ? GLFW_PRESS : GLFW_RELEASE, 0);
+        if (event.code == kEchoKey && !event.is_on) ++events.echoes;
+        break;
+      case Kind::kText:
+        ImGui_ImplGlfw_CharCallback(window, static_cast<unsigned>(event.code));
+        break;
+      case Kind::kEnter:
+        ImGui_ImplGlfw_CursorEnterCallback(window, is_on);
+        break;
+      case Kind::kFocus:
+        ImGui_ImplGlfw_WindowFocusCallback(window, is_on);
+        break;
+    }
+  }
+  ImGui_ImplGlfw_NewFrame();
+  ImGuiIO& io = ImGui::GetIO();
+  if (ImGui::IsMousePosValid(&io.MousePos))
+    io.MousePos = {static_cast<float>(events.x), static_cast<float>(events.y)};
+  std::copy(events.is_down.begin(), events.is_down.end(), std::begin(io.MouseDown));
 }
 
 GLFWwindow* lendContext(const WindowRequest& request, GLFWwindow* window) {

@@ -83,7 +83,7 @@ class Window {
     chooseFont(density);
     ImGui::GetStyle().ScaleAllSizes(density);
     density_ = density;
-    ImGui_ImplGlfw_InitForOpenGL(window_, true);
+    ImGui_ImplGlfw_InitForOpenGL(window_, false);  // takeInput gives it the events
     ImGui_ImplOpenGL3_Init("#version 330");
     request.tell_news([] { glfwPostEmptyEvent(); });
   }
@@ -119,16 +119,19 @@ class Window {
       wait_s = std::clamp(
           std::chrono::duration<double>(*state_->loop.wake_at - WindowClock::now()).count(),
           kSettle_s, wait_s);
-    glfwWaitEventsTimeout(wait_s);
+    if (events_.input.isEmpty())
+      glfwWaitEventsTimeout(wait_s);
+    else
+      glfwPollEvents();
     TurnTimes times;
     const auto began = WindowClock::now();
     WindowState& window = *state_;
+    // Highlights and menus settle over a few frames.
+    if (events_.count != seen_events_ || !events_.input.isEmpty()) frames_left_ = 2;
     if (events_.count != seen_events_) {
       window.loop.times.events += events_.count - seen_events_;
       seen_events_ = events_.count;
       window.loop.event_at = began;
-      // Highlights and menus settle over a few frames.
-      frames_left_ = 2;
     }
     window.loop.wake_at.reset();
     if (frames_left_ > 0) --frames_left_;
@@ -146,6 +149,10 @@ class Window {
     times.gl_s = present();
     times.all_s = secondsSince(began);
     note(times);
+    if (events_.echoes > echoed_ && !is_put_off_) {
+      echoed_ = events_.echoes;
+      window.log.write({{"echo", echoed_}});
+    }
   }
 
   void note(const TurnTimes& turn) {
@@ -171,7 +178,7 @@ class Window {
   void build() {
     WindowState& window = *state_;
     ImGui_ImplOpenGL3_NewFrame();
-    ImGui_ImplGlfw_NewFrame();
+    takeInput(window_, events_, window);
     ImGuiIO& io = ImGui::GetIO();
     io.FontGlobalScale = static_cast<float>(window.settings.font_scale);
     ImGui::NewFrame();
@@ -197,6 +204,7 @@ class Window {
   double present() {
     WindowState& window = *state_;
     const auto began = WindowClock::now();
+    is_put_off_ = false;
     int width = 0, height = 0;
     glfwGetFramebufferSize(window_, &width, &height);
     if (width == 0 || height == 0) return 0;
@@ -207,8 +215,11 @@ class Window {
     ImDrawData& data = *ImGui::GetDrawData();
     const bool is_same = canvas_->compare(data, width, height).empty();
     if (is_same && !window.shown.is_new && !events_.wants_refresh) return 0;
-    if (is_software_ && !window.shown.is_new && !window.wishes.unanswered.empty() &&
-        began - presented_at_ < kWithPicture) {
+    const bool has_more = !events_.input.isEmpty();  // the next frame replaces this one at once
+    const bool awaits_picture =
+        is_software_ && !window.shown.is_new && !window.wishes.unanswered.empty();
+    if ((has_more || awaits_picture) && began - presented_at_ < kWithPicture) {
+      is_put_off_ = true;
       window.loop.wakeBy(presented_at_ + kWithPicture);
       return 0;
     }
@@ -297,7 +308,8 @@ class Window {
   const WindowRequest& request_;
   const Glfw glfw_;
   Events events_;
-  uint64_t seen_events_ = 0;
+  uint64_t seen_events_ = 0, echoed_ = 0;
+  bool is_put_off_ = false;  // the last frame is not on the screen yet
   int frames_left_ = 3;
   float density_ = 1;
   double start_s_ = 0;  // the longest of the first turns

@@ -63,6 +63,7 @@ struct Pointer {
   int handle = -1;                        // handle of the clip box
   double handle_rest = 0;                 // parts of a voxel that it was dragged
   std::optional<size_t> point;            // the opacity point that is dragged
+  std::vector<PanePoint> steps;           // movements of this frame, screen units
   float x = -1, y = -1;                   // place where it rests
   WindowClock::time_point still_since{};  // or no time: the value there was asked for
   uint64_t question = 0;                  // number of the newest

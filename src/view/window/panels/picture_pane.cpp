@@ -27,8 +27,8 @@ Does doesOf(const ImGuiIO& io) {
   return Does::kOrbit;
 }
 
-void drag(WindowState& window, ImVec2 by, float pixels) {
-  const double dx = static_cast<double>(by.x) * pixels, dy = static_cast<double>(by.y) * pixels;
+void drag(WindowState& window, PanePoint by, float pixels) {
+  const double dx = by.x * pixels, dy = by.y * pixels;
   ViewState next = window.state();
   switch (window.pointer.does) {
     case Does::kOrbit:
@@ -50,7 +50,8 @@ void drag(WindowState& window, ImVec2 by, float pixels) {
       break;
     }
     case Does::kHandle:
-      return dragBoxHandle(window, window.pointer.handle, by.x, by.y, pixels);
+      return dragBoxHandle(window, window.pointer.handle, static_cast<float>(by.x),
+                           static_cast<float>(by.y), pixels);
     case Does::kNothing:
       return;
   }
@@ -123,7 +124,7 @@ void picturePane(WindowState& window, const Area& area, float pixels) {
       if (pointer.handle >= 0 && pointer.does == Does::kOrbit) pointer.does = Does::kHandle;
     }
     if (ImGui::IsItemActive() && pointer.does != Does::kNothing) {
-      if (io.MouseDelta.x != 0 || io.MouseDelta.y != 0) drag(window, io.MouseDelta, pixels);
+      for (const PanePoint& step : pointer.steps) drag(window, step, pixels);
     } else if (is_over && io.MouseWheel != 0) {
       window.edit([&](ViewState& next) {
         next.view = zoomTo(next.view, std::pow(kWheelFactor, io.MouseWheel),
