@@ -21,12 +21,10 @@ def pictures(folder, *more):
         found = []
 
         def step(act):
-            mark = window.mark()
             act()
-            window.settled(mark)
             hand.move(WIDTH + 200, 1)
             hand.flush()
-            window.do('sleep', 0.4)
+            window.settled()
             found.append(hand.pixels(WIDTH, HEIGHT)[4 * WIDTH * WORDS:])
 
         window.key('o')  # nothing over the picture

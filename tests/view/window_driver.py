@@ -80,9 +80,19 @@ class Hand:
         self.test.XTestFakeButtonEvent(self.display, button, int(down), ctypes.c_ulong(0))
         self.sent += 1
 
+    def code(self, name):
+        """The number of a key, and whether it needs Shift."""
+        self.x11.XkbKeycodeToKeysym.restype = ctypes.c_ulong
+        symbol = self.x11.XStringToKeysym({'ctrl': 'Control_L', 'shift': 'Shift_L', 'alt': 'Alt_L'}.get(name, name).encode())
+        code = self.x11.XKeysymToKeycode(self.display, ctypes.c_ulong(symbol))
+        return code, self.x11.XkbKeycodeToKeysym(self.display, code, 0, 0) != symbol
+
     def key(self, name):
-        parts = [{'ctrl': 'Control_L'}.get(part, part) for part in name.split('+')]
-        codes = [self.x11.XKeysymToKeycode(self.display, ctypes.c_ulong(self.x11.XStringToKeysym(part.encode()))) for part in parts]
+        """A key by itself or with others ('ctrl+z'), pressed and let go."""
+        codes = []
+        for part in name.split('+'):
+            code, needs_shift = self.code(part)
+            codes += [self.code('shift')[0], code] if needs_shift else [code]
         for code, down in [(code, 1) for code in codes] + [(code, 0) for code in reversed(codes)]:
             self.test.XTestFakeKeyEvent(self.display, code, down, ctypes.c_ulong(0))
             self.sent += 1
@@ -111,6 +121,7 @@ class Window:
     """`sluice view ARGUMENTS`, and what its log says."""
 
     def __init__(self, display, program, arguments, folder, environment=None):
+        self.hand = Hand(display)
         self.log = pathlib.Path(folder, 'window.log')
         self.log.unlink(missing_ok=True)
         self.environment = dict(os.environ, DISPLAY=display.name, XDG_CONFIG_HOME=f'{folder}/config',
@@ -124,6 +135,7 @@ class Window:
         self.lines = []
         self.read_bytes = 0
         self.controls = {}
+        self.echoes = 0
 
     def __enter__(self):
         return self
@@ -174,15 +186,23 @@ class Window:
         """Waits for a complete picture of the newest wish."""
         return self.wait(lambda line: line.get('complete') is True and line.get('of_newest'), since=since)
 
-    def settled(self, since, seconds=0.4):
-        """Waits for a complete picture, and until none has come for so long: on a busy machine a drag has complete
-        pictures of its way, and the window takes the last events late."""
-        self.whole(since)
-        seen = -1
-        while seen != (count := sum('complete' in line for line in self.lines)):
-            seen = count
-            self.do('sleep', seconds)
-            self.update()
+    def echo(self):
+        """Waits until the window has taken all events that were sent, in their order, and shows what came of them."""
+        self.echoes += 1
+        self.hand.key('F12')
+        self.hand.flush()
+        self.wait(lambda line: line.get('echo', 0) >= self.echoes)
+
+    def settled(self):
+        """Waits until all events that were sent are taken, and until a complete picture of what they led to is on the
+        screen: a drag has complete pictures of its way, too."""
+        self.echo()
+
+        def is_last(line):
+            wish = next((line for line in reversed(self.lines) if 'wish' in line), None)
+            return line.get('complete') is True and wish is not None and not wish['moves'] and line['picture'] == wish['wish']
+        self.wait(is_last)
+        self.echo()  # the window has sent that picture to the screen
 
     def do(self, *words):
         subprocess.run(['xdotool', *map(str, words)], env=self.outside, check=True, stdout=subprocess.DEVNULL)
@@ -209,16 +229,19 @@ class Window:
         return int(values['WIDTH']), int(values['HEIGHT'])
 
     def place(self, control, x=0.5, y=0.5):
-        """Of the middle of a control, or another part of it, once it is shown."""
+        """Of the middle of a control, or another part of it, once it is shown and where it is after the last events."""
         self.wait(lambda line: line.get('control') == control)
+        self.echo()
         at = self.controls[control]
         return round(at[0] + x * at[2]), round(at[1] + y * at[3])
 
     def click(self, control, button=1, x=0.5, y=0.5, times=1):
         at = self.place(control, x, y)
         self.do('mousemove', *at, 'sleep', 0.1)
-        for _ in range(times):
-            self.do('mousedown', button, 'sleep', 0.05, 'mouseup', button, 'sleep', 0.03)
+        for _ in range(times):  # sent at once: clicks that load draws apart are not double
+            self.hand.button(button, True)
+            self.hand.button(button, False)
+        self.hand.flush()
         self.do('sleep', 0.1)
 
     def drag(self, start, end, button=1, steps=20, pause=0.016, keys=()):
@@ -234,22 +257,16 @@ class Window:
             self.do('keyup', key)
 
     def key(self, *keys):
-        self.do('mousemove', *self.place('picture', 0.5, 0.4))
-        for key in keys:
-            self.do('keydown', *key.split('+')[:-1]) if '+' in key else None
-            parts = key.split('+')
-            self.do('keydown', parts[-1], 'sleep', 0.06, 'keyup', parts[-1], 'sleep', 0.06)
-            if len(parts) > 1:
-                self.do('keyup', *parts[:-1])
+        """Keys with the pointer over the picture."""
+        self.hand.move(*self.place('picture', 0.5, 0.4))
+        self.press(*keys)
 
     def press(self, *keys):
-        """Keys where the pointer and the focus are, each held for more than a frame."""
+        """Keys where the pointer and the focus are. Each is sent at once: one that load keeps down is repeated."""
         for key in keys:
-            parts = key.split('+')
-            for part in parts:
-                self.do('keydown', part, 'sleep', 0.06)
-            for part in reversed(parts):
-                self.do('keyup', part, 'sleep', 0.06)
+            self.hand.key(key)
+            self.hand.flush()
+            time.sleep(0.005)  # GLFW takes a key once in a millisecond: input methods send some events twice
 
     def fill(self, field, text):
         """Types into a field of text, in place of what is in it."""
