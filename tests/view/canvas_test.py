@@ -21,16 +21,14 @@ def same_pixels(folder):
         ids = window.find('sluice')
 
         def still():
-            """When the newest picture is whole and two looks, a moment apart, are the same: what pointers rest on is said."""
-            def is_whole():
-                window.update()
-                return next(line for line in reversed(window.lines) if 'picture' in line)['complete']
-
+            """When all events are taken, the newest picture is whole, and two looks, a moment apart, are the same: what pointers
+            rest on is said."""
+            window.settled()
             last = None
             for _ in range(40):
                 window.do('sleep', 0.3)
                 now = hand.pixels(WIDTH, HEIGHT)
-                if now == last and is_whole():
+                if now == last:
                     return now
                 last = now
             raise AssertionError('the window does not come to rest')

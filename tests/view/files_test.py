@@ -122,6 +122,7 @@ def slow_folder(folder):
         window.click('entry tarry')
         window.do('sleep', 1)
         window.shot('slow folder')
+        window.update()
         assert not any('folder' in line for line in window.lines[mark:]), 'the folder was not slow'
         window.click('up')  # not waited for
         line = window.wait('folder', since=mark)

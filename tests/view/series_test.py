@@ -18,9 +18,10 @@ def play(folder):
         for time in [*range(1, STEPS), 0]:
             window.wait(lambda line, time=time: line.get('complete') is True and line.get('time') == time, since=mark)
         window.key('space')
-        window.do('sleep', 0.6)
+        window.settled()
         mark = window.mark()
         window.do('sleep', 0.6)
+        window.update()
         assert not any('picture' in line for line in window.lines[mark:]), 'it plays on'
         window.key('period')
         window.whole(mark)
