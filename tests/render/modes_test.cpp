@@ -241,6 +241,57 @@ TEST_F(ModesTest, labelsGiveTheReferencePicture) {
     }
 }
 
+// The part of a grey surface's brightness that lighting.h gives a normal in camera space.
+double brightnessOf(const Lighting& lighting, Vec3d normal, double grey) {
+  double diffuse = lighting.ambient, specular = 0;
+  for (const Light& light : lighting.lights) {
+    const Vec3d halfway = normalized(light.toward + Vec3d{0, 0, 1});
+    diffuse += lighting.diffuse * light.strength * std::abs(dot(normal, light.toward));
+    specular += lighting.specular * light.strength *
+                std::pow(std::abs(dot(normal, halfway)), lighting.shininess);
+  }
+  return grey * diffuse + specular;
+}
+
+// A ball in eight parts of any numbers looks like a sphere: neither seams nor the steps of its
+// voxels show much. With central differences of the numbers it is off by 0.037 on average.
+TEST_F(ModesTest, labelsOfABallAreLitLikeASphere) {
+  constexpr double kRadius = 22, kGrey = 0.5;
+  constexpr double kMiddle = 25.3;
+  const std::array numbers{1, 200, 7, 120, 3, 250, 60, 61};
+  const auto source = makeMemorySource<uint8_t>(Vec3i{52, 52, 52}, [&](auto x, auto y, auto z) {
+    const Vec3d p = toDouble(Vec3i{x, y, z}) - Vec3d{kMiddle, kMiddle, kMiddle};
+    const size_t part = (p.x > 0 ? 1U : 0U) + (p.y > 0 ? 2U : 0U) + (p.z > 0 ? 4U : 0U);
+    return length(p) < kRadius ? numbers[part] : 0;
+  });
+  std::vector<LabelStyle> styles{{0, {0, 0, 0}, 0}};
+  for (const int number : numbers)
+    styles.push_back({static_cast<double>(number), {kGrey, kGrey, kGrey}, 1});
+  std::ranges::sort(styles, {}, &LabelStyle::label);
+  RenderScene scene(device(), *source, labelsTransfer(styles), {.block_vox = 16, .lit = true});
+  FrameOptions options = obliqueView(Projection::kOrtho, {96, 96});
+  options.step_vox = 0.25;
+  const FloatPicture drawn = scene.draw(options);
+  const View view = resolve(options.camera, source->layout(), options.size, options.step_vox);
+  const Vec3d center = worldFromIndex(source->layout(), {kMiddle, kMiddle, kMiddle});
+  double sum = 0;
+  int pixels = 0;
+  for (int j = 0; j < 96; ++j)
+    for (int i = 0; i < 96; ++i) {
+      const double u = 2 * (i + 0.5) / 96 - 1, v = 1 - 2 * (j + 0.5) / 96;
+      const Vec3d to = view.eye - center;
+      const Vec3d n{(dot(to, view.right) + u * view.half_height) / kRadius,
+                    (dot(to, view.up) + v * view.half_height) / kRadius, 0};
+      const double toward = 1 - dot(n, n);
+      if (toward < 0.1) continue;  // the rim
+      const double expected = brightnessOf(options.lighting, {n.x, n.y, std::sqrt(toward)}, kGrey);
+      sum += std::abs(drawn.at(i, j)[0] - expected);
+      ++pixels;
+    }
+  EXPECT_GT(pixels, 1000);
+  EXPECT_LT(sum / pixels, 0.02);
+}
+
 // Modes that show values take labels for numbers. Their table has more entries than a texture is
 // wide, whatever the values are.
 TEST_F(ModesTest, labelsInModesOfValuesGiveTheReferencePicture) {

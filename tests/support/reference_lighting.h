@@ -7,7 +7,8 @@
 
 namespace sluice {
 
-// Lighting's `flat` of samples, value units a world unit; of labels, opacities a world unit. `finest`: the finest spacing.
+// Lighting's `flat` of samples, value units a world unit; of labels, opacities a world unit.
+// `finest`: the finest spacing.
 double flatReference(const ReferenceScene& scene, double finest);
 // `gradient`: value units a world unit, in world directions. Requires: scene.lighting.
 Vec3d litReference(const ReferenceScene& scene, const View& view, double flat, Vec3d gradient,
