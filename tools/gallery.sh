@@ -88,6 +88,8 @@ picture shadows 'The bonsai in a light that casts shadows and does not reach far
   'sluice render data/bonsai.nii.gz -o shadows.png --threshold 40 --opacity 0.6 --shadows --occlusion-light'
 picture phantom 'The Shepp-Logan head, cut open' \
   'sluice render synth:phantom,dims=256x256x256 -o phantom.png --crop 0,0,0,256,128,256 --opacity 0.1'
+picture labels 'The parts of the Shepp-Logan head as labels, bone and brain as a haze' \
+  'sluice render synth:parts,dims=256x256x256 -o labels.png --labels --label 1=e8d8c0:0.02 --label 2=:0.004 --shade'
 picture wave 'The Marschner-Lobb test signal: its values fill the whole range, so it is drawn as a solid block' \
   'sluice render synth:marschner-lobb,dims=128x128x128,type=f32 -o wave.png --up 0,0,1 --annotate'
 picture rings 'Vortex rings in a flow' \

@@ -38,6 +38,7 @@ std::unique_ptr<SynthField> makeSlabField(const SynthOptions& options);
 std::unique_ptr<SynthField> makeFlowField(const SynthOptions& options);
 std::unique_ptr<SynthField> makeMixingField(const SynthOptions& options);
 std::unique_ptr<SynthField> makeCubeField(const SynthOptions& options);
+std::unique_ptr<SynthField> makePartsField(const SynthOptions& options);
 
 // The most time steps of a kind that varies: `flow` keeps the particles of each.
 inline constexpr int64_t kMaxSynthSteps = 10000;

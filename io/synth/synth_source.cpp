@@ -20,7 +20,7 @@ struct KindEntry {
   std::unique_ptr<SynthField> (*make)(const SynthOptions&);
   int64_t most_steps = 1;
 };
-constexpr std::array<KindEntry, 9> kKinds = {{
+constexpr std::array<KindEntry, 10> kKinds = {{
     {SynthKind::kPhantom, "phantom", "the 3D Shepp-Logan head with fine texture", makePhantomField},
     {SynthKind::kShells, "shells", "five nested spherical shells", makeShellsField},
     {SynthKind::kMarschnerLobb, "marschner-lobb", "the test signal of Marschner and Lobb",
@@ -33,6 +33,7 @@ constexpr std::array<KindEntry, 9> kKinds = {{
     {SynthKind::kMixing, "mixing", "two gases mixing across a layer, varying with time",
      makeMixingField, kMaxSynthSteps},
     {SynthKind::kCube, "cube", "one value everywhere", makeCubeField},
+    {SynthKind::kParts, "parts", "the parts of the phantom as labels, 1 to 10", makePartsField},
 }};
 constexpr std::array<SynthKind, kKinds.size()> kKindList = [] {
   std::array<SynthKind, kKinds.size()> list{};
@@ -101,6 +102,13 @@ void validate(const SynthOptions& options) {
   if (options.type != VoxelType::kU8 && options.type != VoxelType::kU16 &&
       options.type != VoxelType::kF32)
     fail("{}: expected a type of u8, u16 or f32, found {}", spec, name(options.type));
+  if (options.kind == SynthKind::kParts && options.type == VoxelType::kF32)
+    fail("{}: expected a type of u8 or u16 for labels, found f32", spec);
+  if (options.kind == SynthKind::kParts && options.levels > 1)
+    fail(
+        "{}: expected 1 level, since labels have no means, found {}; sluice pack --downsample mode "
+        "makes levels of labels",
+        spec, options.levels);
   const int64_t most_steps = entryOf(options.kind).most_steps;
   if (options.time_steps < 1 || options.time_steps > most_steps)
     fail("{}: expected 1 to {} time steps of {}, found {}", spec, most_steps, name(options.kind),

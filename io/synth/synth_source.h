@@ -26,6 +26,7 @@ enum class SynthKind {
   kFlow,           // vortex rings carried by an ABC flow, varying with time
   kMixing,         // two gases that mix across a layer, varying with time
   kCube,           // the same value everywhere
+  kParts,          // the ellipsoids of kPhantom as labels, 1 to 10, without levels
 };
 
 // The kinds in the order of the enum, and their names in specs and `sluice synth`.
@@ -37,8 +38,9 @@ std::optional<SynthKind> parseSynthKind(std::string_view text);
 struct SynthOptions {
   SynthKind kind = SynthKind::kPhantom;
   Vec3i dims{256, 256, 256};
-  VoxelType type = VoxelType::kU8;  // u8, u16 or f32; values fill 0..255, 0..65535, 0..1
-  int64_t time_steps = 1;           // more than one: flow and mixing only
+  VoxelType type =
+      VoxelType::kU8;      // u8, u16 or f32; values fill 0..255, 0..65535, 0..1, but for labels
+  int64_t time_steps = 1;  // more than one: flow and mixing only
   uint64_t seed = 1;
   // Share of the voxels that are not zero: slab (rounded to planes), sparse (expected, at most
   // 0.4), noise (estimated within about 0.01). The other kinds' share follows from their shape.

@@ -80,6 +80,7 @@ TEST(SynthSource, voxelsDoNotDependOnTheBoxTheyAreReadWith) {
 
 TEST(SynthSource, typesHoldTheSameFieldInTheirOwnPrecision) {
   for (const SynthKind kind : synthKinds()) {
+    if (kind == SynthKind::kParts) continue;  // labels are the same numbers in any type
     SynthOptions options = small(kind);
     const auto bytes = readAll<uint8_t>(options);
     options.type = VoxelType::kU16;
@@ -96,10 +97,10 @@ TEST(SynthSource, typesHoldTheSameFieldInTheirOwnPrecision) {
 // A change of these voxels makes every index and every measurement of older ones wrong: raise
 // kRevision in synth_source.cpp with a change here.
 TEST(SynthSource, voxelsAreTheSameOnEveryMachine) {
-  const std::array<uint64_t, 9> expected = {
-      0xa042b63845f4b1cdULL, 0xb643d9f709ef0365ULL, 0x63a486b85a867c91ULL,
-      0x178f7134fa6dad42ULL, 0x6d99b02d903da45dULL, 0xadafaa282e2034c1ULL,
-      0x85eb2c3f7ec6537bULL, 0xcc1f481ba6492840ULL, 0x044ebb2983c2d305ULL};
+  const std::array<uint64_t, 10> expected = {
+      0xa042b63845f4b1cdULL, 0xb643d9f709ef0365ULL, 0x63a486b85a867c91ULL, 0x178f7134fa6dad42ULL,
+      0x6d99b02d903da45dULL, 0xadafaa282e2034c1ULL, 0x85eb2c3f7ec6537bULL, 0xcc1f481ba6492840ULL,
+      0x044ebb2983c2d305ULL, 0x0c721653c5e3d7a7ULL};
   for (const SynthKind kind : synthKinds()) {
     const SynthOptions options = small(kind);
     uint64_t hash = 14695981039346656037ULL;  // FNV-1a
@@ -207,6 +208,31 @@ TEST(SynthSource, shellsAreRound) {
     EXPECT_EQ(at(32 + r - 3, 32, 32), 0) << "air inside shell " << shell;
   }
   EXPECT_EQ(at(0, 0, 0), 0);
+}
+
+// A voxel's label is the last ellipsoid of the table that holds its centre, in any type.
+TEST(SynthSource, partsAreTheEllipsoidsOfThePhantom) {
+  SynthOptions options = small(SynthKind::kParts), phantom = small(SynthKind::kPhantom);
+  const std::vector<uint8_t> labels = readAll<uint8_t>(options), head = readAll<uint8_t>(phantom);
+  options.type = VoxelType::kU16;
+  EXPECT_TRUE(std::ranges::equal(readAll<uint16_t>(options), labels));
+  std::array<double, 11> sum{}, count{};
+  size_t differ = 0;
+  for (size_t i = 0; i < labels.size(); ++i) {
+    ASSERT_LE(labels[i], 10);
+    sum[labels[i]] += head[i];
+    count[labels[i]] += 1;
+    differ += (labels[i] > 0) != (head[i] > 0);
+  }
+  EXPECT_LT(static_cast<double>(differ), 0.03 * static_cast<double>(labels.size()))
+      << "the rim alone";
+  // Parts 6 to 8 are less than three voxels wide here.
+  const auto mean = [&](size_t label) { return sum[label] / count[label]; };
+  for (const size_t label : {1, 2, 3, 4, 5, 9, 10}) EXPECT_GT(count[label], 20) << label;
+  EXPECT_GT(mean(1), 2 * mean(2)) << "bone and brain";
+  EXPECT_LT(mean(3), mean(2)) << "a ventricle";
+  EXPECT_GT(mean(5), mean(2)) << "a tumour";
+  EXPECT_LT(mean(0), 5) << "air";
 }
 
 TEST(SynthSource, shareIsKeptAsFarAsItIsPromised) {
@@ -366,6 +392,8 @@ TEST(SynthSpec, refusesWhatItCannotMakeInOneLine) {
                            "cube,dims=-1x1x1",
                            "cube,dims=9999999999x9999999999x9999999999",
                            "cube,type=i16",
+                           "parts,type=f32",
+                           "parts,levels=2",
                            "cube,type=x",
                            "cube,steps=2",
                            "flow,steps=0",
