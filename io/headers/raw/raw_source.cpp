@@ -44,6 +44,15 @@ bool sameRows(std::span<const RegionRead> regions) {
 // takes longer to hand out 64 bytes than a copy does.
 class RawSource::Gather {
  public:
+  explicit Gather(RawSource& source) : source_(source) {}
+  ~Gather() {
+    if (span_ == nullptr) return;
+    const MutexLock lock(source_.spans_mutex_);
+    source_.idle_spans_.push_back(std::move(span_));
+  }
+  Gather(const Gather&) = delete;
+  Gather& operator=(const Gather&) = delete;
+
   // `to` is filled with `bytes` bytes from `offset` of `store`.
   void add(ByteStore& store, uint64_t offset, std::byte* to, uint64_t bytes) {
     if (!pieces_.empty() && store_ == &store) {
@@ -73,7 +82,7 @@ class RawSource::Gather {
     if (pieces_.size() == 1) {
       read(pieces_.front().offset, {pieces_.front().to, pieces_.front().bytes});
     } else if (!pieces_.empty()) {
-      if (span_ == nullptr) span_ = alignedForOverwrite<std::byte>(kSpanBytes);
+      if (span_ == nullptr) span_ = takeSpan();
       const uint64_t begin = pieces_.front().offset;
       read(begin, {span_.get(), end_ - begin});
       for (const Piece& piece : pieces_)
@@ -88,15 +97,21 @@ class RawSource::Gather {
     std::byte* to;
     uint64_t bytes;
   };
-  // Below the size that allocators map anew each time, 128 KiB (tools/main.cpp), whose pages would
-  // be faults again for each gather.
-  static constexpr uint64_t kSpanBytes = 120 << 10;
+  static constexpr uint64_t kSpanBytes = 256 << 10;
 
+  AlignedArray<std::byte> takeSpan() {
+    const MutexLock lock(source_.spans_mutex_);
+    if (source_.idle_spans_.empty()) return alignedForOverwrite<std::byte>(kSpanBytes);
+    AlignedArray<std::byte> span = std::move(source_.idle_spans_.back());
+    source_.idle_spans_.pop_back();
+    return span;
+  }
   void read(uint64_t offset, std::span<std::byte> to) {
     const iovec part{to.data(), to.size()};
     store_->read(offset, std::span(&part, 1));
   }
 
+  RawSource& source_;
   ByteStore* store_ = nullptr;
   std::vector<Piece> pieces_;
   uint64_t end_ = 0;        // end of the pieces in the store
@@ -211,7 +226,7 @@ void RawSource::readRegions(int64_t time, std::span<const RegionRead> regions) {
   if (pieces.z > 1 && static_cast<uint64_t>(left_out * voxel_bytes) < kMaxGapBytes &&
       static_cast<uint64_t>(rows.size().y * dims.x * voxel_bytes) >= kLeastExpectedBytes)
     expectPlanes(time, rows);
-  Gather gather;
+  Gather gather(*this);
   for (int64_t z = 0; z < pieces.z; ++z)
     for (int64_t y = 0; y < pieces.y; ++y)
       for (const auto& [box, out] : sorted) {

@@ -15,6 +15,8 @@
 #include <vector>
 
 #include "io/files/byte_store.h"
+#include "src/base/memory/aligned_array.h"
+#include "src/base/threads/mutex.h"
 #include "src/base/values/read_units.h"
 #include "src/base/values/volume_source.h"
 
@@ -60,6 +62,10 @@ class RawSource : public VolumeSource, public UnitSource {
   const int64_t segment_voxels_;
   const std::shared_ptr<const ByteStore> header_;
   const std::string identity_;
+  // Room for gathers, as much as threads had at a time. The allocator would map it anew for each
+  // read, and each of its pages would be a fault.
+  Mutex spans_mutex_;
+  std::vector<AlignedArray<std::byte>> idle_spans_ SLUICE_GUARDED_BY(spans_mutex_);
 };
 
 }  // namespace sluice
