@@ -23,6 +23,23 @@ VisibleBlocks partsWithin(const VisibleBlocks& all, const Box3& cells) {
   return parts;
 }
 
+// The finest blocks that own a cell of the box.
+std::vector<int64_t> blocksWith(const BlockLayout& layout, const Box3& cells) {
+  std::vector<int64_t> blocks;
+  for (int64_t block = 0; block < layout.blockCount(); ++block)
+    if (!intersect(layout.ownedCells(layout.indexOf(block)), cells).empty())
+      blocks.push_back(block);
+  return blocks;
+}
+
+// The finest blocks that this rank was dealt, visible or not.
+std::vector<int64_t> blocksOf(int rank, const BlockLayout& layout, const Dealing& dealing) {
+  std::vector<int64_t> blocks;
+  for (int64_t block = 0; block < layout.blockCount(); ++block)
+    if (dealing.rankOf(layout.indexOf(block)) == rank) blocks.push_back(block);
+  return blocks;
+}
+
 }  // namespace
 
 void RankBlocks::dealFor(const BlockQuestion& question, const VisibleBlocks& all) {
@@ -43,21 +60,32 @@ VisibleBlocksPtr RankBlocks::choose(const BlockQuestion& question) {
   if (chooser == nullptr && question.cut) chooser = &cut_;
   if (chooser == nullptr) chooser = &classified_;
   const VisibleBlocksPtr all = chooser->choose(question);
-  if (dealing_.lent)
-    return memo_.of({Identity<VisibleBlocks>(all), 0},
-                    [&] { return partsWithin(*all, dealing_.lent->cellsOf(rank_)); });
   const PyramidLayout layout = question.step.layout();
+  const bool loads_every = loadsEveryBlock(*all, question.algorithm);
+  if (loads_every) requireListable(layout.finest(), question.algorithm);
+  if (dealing_.lent)
+    return memo_.of({Identity<VisibleBlocks>(all), 0, loads_every}, [&] {
+      const Box3 cells = dealing_.lent->cellsOf(rank_);
+      VisibleBlocks mine = partsWithin(*all, cells);
+      if (loads_every) mine.share = BlockShare{blocksWith(layout.finest(), cells), cells};
+      return mine;
+    });
   dealFor(question, *all);
-  return memo_.of({Identity<VisibleBlocks>(all), dealing_.coarsest_level}, [&] {
+  return memo_.of({Identity<VisibleBlocks>(all), dealing_.coarsest_level, loads_every}, [&] {
     VisibleBlocks mine;
     mine.white = all->white;
     mine.cut = all->cut;  // of the whole picture
+    // Blocks that are not visible have no place in a picture's own hands.
+    const bool deals_picture = deals_each_ && !loads_every;
+    if (loads_every)
+      mine.share =
+          BlockShare{blocksOf(rank_, layout.finest(), dealing_), boxOf(layout.finest().dims)};
     const std::vector<int32_t> dealt =
-        deals_each_ ? dealPicture(dealing_, layout, *all) : std::vector<int32_t>();
+        deals_picture ? dealPicture(dealing_, layout, *all) : std::vector<int32_t>();
     for (size_t i = 0; i < all->blocks.size(); ++i) {
       const ObjectBlock& block = all->blocks[i];
       const int rank =
-          deals_each_ ? dealt[i] : dealing_.rankOf(layout.finestBlocksOf(block.name).lo);
+          deals_picture ? dealt[i] : dealing_.rankOf(layout.finestBlocksOf(block.name).lo);
       if (rank != rank_) continue;
       ++(block.kind == BlockClass::kBlack ? mine.black : mine.grey);
       mine.blocks.push_back(block);

@@ -3,7 +3,8 @@
 // is planned, read or drawn.
 //
 // All ranks make the cut through levels of resolution that one process makes. Its blocks are dealt
-// in hands that hold whole blocks of the coarsest level in the picture, however few they are. Of a
+// in hands that hold whole blocks of the coarsest level in the picture, however few they are. An
+// algorithm that loads every block loads every block of this rank's hands. Of a
 // volume that the ranks lend in boxes, each draws the parts of blocks in its own.
 #pragma once
 
@@ -27,7 +28,7 @@ class RankBlocks : public BlockChooser {
   // from the cut that the picture is drawn from, or all visible blocks of the classification.
   void chooseFrom(BlockChooser* chooser) { chooser_ = chooser; }
   // `each`: from now on each picture's blocks are dealt for it, see dealPicture(); otherwise the
-  // volume's, once.
+  // volume's, once, as for an algorithm that loads every block.
   void dealEachPicture(bool each) { deals_each_ = each; }
   // `changed` is called by choose() whenever the hands are others than before.
   void tellDealings(std::function<void(const Dealing&)> changed) { changed_ = std::move(changed); }
@@ -39,6 +40,7 @@ class RankBlocks : public BlockChooser {
   struct Key {
     Identity<VisibleBlocks> all;
     int coarsest_level;
+    bool loads_every;
     friend bool operator==(const Key&, const Key&) = default;
   };
 

@@ -36,7 +36,7 @@ PlanTotals totalsOf(const TexturePlan& plan, const EyePosition& eye) {
 
 PlanTotals totalsOfEveryBlock(const PyramidLayout& pyramid, const VisibleBlocks& visible,
                               const PageGeometry& page, const PlanOptions& options) {
-  SLUICE_CHECK(loadsEveryBlock(visible, options.algorithm));
+  SLUICE_CHECK(loadsEveryBlock(visible, options.algorithm) && !visible.share);
   const BlockLayout& layout = pyramid.finest();
   const int64_t side = blockSide(layout, pyramid.levels());
   PlanTotals totals;

@@ -21,7 +21,7 @@ PlanTotals totalsOf(const TexturePlan& plan, const EyePosition& eye);
 
 // The totals of a plan that loads every block, in closed form: such a plan of a large volume takes
 // far more memory than a plan of the blocks that show something. Throws Error when the texture
-// cache has fewer pages than one block. Requires: loadsEveryBlock().
+// cache has fewer pages than one block. Requires: loadsEveryBlock(), and of one process.
 PlanTotals totalsOfEveryBlock(const PyramidLayout& pyramid, const VisibleBlocks& visible,
                               const PageGeometry& page, const PlanOptions& options);
 

@@ -46,15 +46,19 @@ TextureBlock trimmedBlock(const PyramidLayout& pyramid, const ObjectBlock& objec
 }
 
 bool areOfSeveralLevels(const VisibleBlocks& visible) {
+  // The cut belongs to the whole picture: a rank whose own blocks are all of the finest level must
+  // decide as the others do.
+  if (visible.cut) return !visible.cut->levels.empty() && visible.cut->levels.back().level > 0;
   const auto isAbove = [](const ObjectBlock& object) { return object.name.level > 0; };
   return std::ranges::any_of(visible.blocks, isAbove);
 }
 
 // Without their chunks and clusters.
 void addBlocks(TexturePlan& plan, const VisibleBlocks& visible, const PlanOptions& options) {
-  const int64_t count = loadsEveryBlock(visible, options.algorithm)
-                            ? plan.layout().blockCount()
-                            : static_cast<int64_t>(visible.blocks.size());
+  int64_t count = static_cast<int64_t>(visible.blocks.size());
+  if (loadsEveryBlock(visible, options.algorithm))
+    count = visible.share ? static_cast<int64_t>(visible.share->blocks.size())
+                          : plan.layout().blockCount();
   reserveLarge(plan.blocks, static_cast<size_t>(std::min(count, kMostBlocks)));
   visitTextureBlocks(plan.pyramid, visible, options,
                      [&](const TextureBlock& block) { plan.blocks.push_back(block); });
@@ -247,6 +251,12 @@ bool loadsEveryBlock(const VisibleBlocks& visible, Algorithm algorithm) {
   return loadsWholeBlocks(algorithm) && !areOfSeveralLevels(visible);
 }
 
+void requireListable(const BlockLayout& layout, Algorithm algorithm) {
+  if (layout.blockCount() > kMostBlocks)
+    failRequest("--algorithm {} loads every block, here {}; use trimmed or merged", name(algorithm),
+                layout.blockCount());
+}
+
 void visitTextureBlocks(const PyramidLayout& pyramid, const VisibleBlocks& visible,
                         const PlanOptions& options,
                         const std::function<void(const TextureBlock&)>& visit) {
@@ -264,17 +274,20 @@ void visitTextureBlocks(const PyramidLayout& pyramid, const VisibleBlocks& visib
     return;
   }
   const BlockLayout& layout = pyramid.finest();
-  if (layout.blockCount() > kMostBlocks)
-    failRequest("--algorithm {} loads every block, here {}; use trimmed or merged", name(algorithm),
-                layout.blockCount());
+  requireListable(layout, algorithm);
+  const BlockShare* share = visible.share ? &*visible.share : nullptr;
+  const int64_t count =
+      share != nullptr ? static_cast<int64_t>(share->blocks.size()) : layout.blockCount();
+  const Box3 drawn = share != nullptr ? intersect(options.crop, share->cells) : options.crop;
   size_t next = 0;
-  for (int64_t block = 0; block < layout.blockCount(); ++block) {
+  for (int64_t i = 0; i < count; ++i) {
+    const int64_t block = share != nullptr ? share->blocks[static_cast<size_t>(i)] : i;
     ObjectBlock object;
     object.name = {.time = options.time, .block = block};
     if (next < visible.blocks.size() && visible.blocks[next].name.block == block)
       object = visible.blocks[next++];
     if (algorithm == Algorithm::kConventional)
-      object.cells = intersect(layout.ownedCells(layout.indexOf(block)), options.crop);
+      object.cells = intersect(layout.ownedCells(layout.indexOf(block)), drawn);
     visit(wholeBlock(pyramid, object));
   }
 }

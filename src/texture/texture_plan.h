@@ -113,9 +113,11 @@ struct PlanOptions {
 constexpr bool loadsWholeBlocks(Algorithm algorithm) {
   return algorithm == Algorithm::kConventional || algorithm == Algorithm::kClipped;
 }
-// Whether a plan loads all blocks of the finest level, visible or not: blocks of several levels are
-// loaded as far as they are visible, by all algorithms.
+// Whether a plan loads all blocks of the finest level, visible or not, or all of this rank's share
+// of them. Blocks of several levels are loaded only if they are visible, by all algorithms.
 bool loadsEveryBlock(const VisibleBlocks& visible, Algorithm algorithm);
+// Throws Error when all blocks of this layout are more than a plan can list.
+void requireListable(const BlockLayout& layout, Algorithm algorithm);
 
 // Calls `visit` with each texture block of a plan, in the plan's order, before it has a chunk and a
 // cluster. Holds no list of them. Throws Error when all blocks are loaded and are more than a plan

@@ -24,10 +24,12 @@ inline std::unique_ptr<Device> makeSuiteDevice() {
   return suiteDevice();
 }
 
-// Returns rank 0's picture and expects that all ranks ended without failure.
+// Returns rank 0's picture and expects that all ranks ended without failure. `seen` gets the report
+// of each frame of each rank, on that rank's thread.
 inline FloatPicture drawOnRanks(int ranks, VolumeSource& source, const TransferFunction& transfer,
                                 SceneOptions scene_options, const FrameOptions& options,
-                                const DeviceMaker& maker = makeSuiteDevice, int frames = 1) {
+                                const DeviceMaker& maker = makeSuiteDevice, int frames = 1,
+                                const std::function<void(const FrameReport&)>& seen = {}) {
   FloatPicture result;
   std::atomic<int64_t> blocks = 0;
   const BlockLayout layout = blockLayout(source.layout().dims, scene_options.block_vox,
@@ -42,6 +44,7 @@ inline FloatPicture drawOnRanks(int ranks, VolumeSource& source, const TransferF
     for (int i = 0; i < frames; ++i) {
       const Frame frame = scene.frame(options);
       blocks += frame.report.grey + frame.report.black;
+      if (seen) seen(frame.report);
       CompositingReport report;
       Picture picture =
           composite(team, device.takePart(), device.setup(), pool, UINT64_MAX, report);

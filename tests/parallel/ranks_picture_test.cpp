@@ -101,6 +101,39 @@ TEST_F(RanksPicture, croppedClippedAndInGrowingBoxes) {
   expectSame(*source, someTransfer(), {.block_vox = 16, .partition = Partition::kBoxes}, options);
 }
 
+// Each rank loads and draws every block of its own hands: each drew all blocks of the volume, so
+// that opacities added up once for each rank.
+TEST_F(RanksPicture, ofAlgorithmsThatLoadEveryBlock) {
+  const auto source = spacedBlobs();
+  for (const Algorithm algorithm : {Algorithm::kConventional, Algorithm::kClipped})
+    for (const Mode mode : {Mode::kComposite, Mode::kMip, Mode::kAttenuatedMip, Mode::kAverage}) {
+      SCOPED_TRACE(fmt::format("{} mode {}", name(algorithm), static_cast<int>(mode)));
+      FrameOptions options = obliqueView(Projection::kPerspective);
+      options.algorithm = algorithm;
+      options.mode = mode;
+      expectSame(*source, someTransfer(), {.block_vox = 8}, options);
+      options.crop = Box3{{5, 3, 9}, {50, 44, 47}};
+      expectSame(*source, someTransfer(), {.block_vox = 8}, options);
+    }
+}
+
+TEST_F(RanksPicture, readsEachOfEveryBlockAtOneRank) {
+  const auto source = spacedBlobs();
+  for (const Algorithm algorithm : {Algorithm::kConventional, Algorithm::kClipped}) {
+    FrameOptions options = obliqueView(Projection::kOrtho);
+    options.algorithm = algorithm;
+    RenderScene alone(device(), *source, someTransfer(), {.block_vox = 8});
+    const uint64_t one = alone.frame(options).report.decoded_bytes;
+    ASSERT_GT(one, 0U);
+    for (const int ranks : {2, 3}) {
+      std::atomic<uint64_t> all = 0;
+      drawOnRanks(ranks, *source, someTransfer(), {.block_vox = 8}, options, makeSuiteDevice, 1,
+                  [&](const FrameReport& report) { all += report.decoded_bytes; });
+      EXPECT_EQ(all, one) << name(algorithm) << " on " << ranks << " ranks";
+    }
+  }
+}
+
 // A rank that has room for a few chunks alone takes its part in several goes.
 TEST_F(RanksPicture, outOfCore) {
   const auto source = spacedBlobs();

@@ -281,6 +281,32 @@ TEST_P(RanksProgram, endTogetherAtAStepThatIsCut) {
         << step;
 }
 
+TEST_P(RanksProgram, shareOutEveryBlockOfAlgorithmsThatLoadThemAll) {
+  makeSeries(2);
+  for (const char* algorithm : {"conventional", "clipped"})
+    for (const char* mode : {"composite", "mip", "attenuated-mip", "average"}) {
+      const std::string command = series(
+          fmt::format("--time 0:1 --algorithm {} --mode {} --force --json", algorithm, mode));
+      const json one = program_.json(command + " -o one_%03d.png");
+      for (const int ranks : {2, 3}) {
+        SCOPED_TRACE(fmt::format("{} {} on {} ranks", algorithm, mode, ranks));
+        const CommandResult run = onRanks(ranks, command + " -o many_%03d.png -q");
+        ASSERT_EQ(run.status, 0) << run.output;
+        const json many = json::parse(run.output);
+        for (size_t step = 0; step < 2; ++step) {
+          EXPECT_LE(pictureDifference(program_.folder / fmt::format("one_{:03}.png", step),
+                                      program_.folder / fmt::format("many_{:03}.png", step)),
+                    1);
+          // The pass over a later step's values leaves some of its blocks in memory, at each rank.
+          const auto all = many["frames"][step]["decoded_bytes"].get<double>();
+          const auto whole = one["frames"][step]["decoded_bytes"].get<double>();
+          EXPECT_LE(all, whole);
+          EXPECT_GE(all, step == 0 ? whole : 0.9 * whole);
+        }
+      }
+    }
+}
+
 // When a rank is killed while pictures are drawn, the launcher ends the run and names it.
 TEST_P(RanksProgram, areEndedWhenOneIsKilled) {
   const std::string command =

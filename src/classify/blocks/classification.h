@@ -35,12 +35,20 @@ struct ObjectBlock {
 // The shortest side of a box of this size; the last of equals.
 int shortestAxis(Vec3i size);
 
+// A rank's share of the finest blocks, for algorithms that load blocks in which nothing is visible.
+struct BlockShare {
+  std::vector<int64_t> blocks;  // ascending
+  Box3 cells;                   // cells outside of it belong to other ranks
+};
+
 struct VisibleBlocks {
   std::vector<ObjectBlock> blocks;  // grey and black ones, ascending by block
   int64_t white = 0, grey = 0, black = 0;
   std::optional<CutSummary> cut;  // for a volume of several levels
   // Coarser blocks, ascending, in whose place the cut has finer ones.
   std::vector<BlockName> refined = {};
+  // On several ranks, if every block is loaded; unset: all blocks belong to this process.
+  std::optional<BlockShare> share = {};
 };
 
 // `crop`: cells that may show at all (the whole volume's by default); blocks and boxes are cut by

@@ -15,6 +15,7 @@
 #include "src/render/blocks/read_limit.h"
 #include "src/render/camera/camera.h"
 #include "src/render/camera/cut_options.h"
+#include "src/texture/texture_plan.h"
 
 namespace sluice {
 
@@ -23,9 +24,10 @@ struct BlockQuestion {
   LookPtr look;
   Box3 crop;  // cells that may show
   View view;
-  std::optional<CutOptions> cut = {};  // unset: the finest level alone
-  const ReadLimit* limit = nullptr;    // of a cut; null: it waits for all data
-  bool looks_around = false;           // the frame integrates or has surfaces; not of a cut
+  std::optional<CutOptions> cut = {};        // unset: the finest level alone
+  const ReadLimit* limit = nullptr;          // of a cut; null: it waits for all data
+  bool looks_around = false;                 // the frame integrates or has surfaces; not of a cut
+  Algorithm algorithm = Algorithm::kMerged;  // whether blocks that are not visible are loaded, too
 };
 
 class BlockChooser {

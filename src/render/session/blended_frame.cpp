@@ -27,6 +27,7 @@ VisibleBlocks unionOf(const std::vector<Session::Part>& parts) {
       if (!fresh) found->second.cells = unite(found->second.cells, object.cells);
     }
   VisibleBlocks all;
+  all.share = parts.front().visible->share;  // the same of all channels
   for (auto& [block, object] : blocks) {
     object.trimming_axis = shortestAxis(object.cells.size());
     all.blocks.push_back(object);

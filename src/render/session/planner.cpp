@@ -38,7 +38,8 @@ VisibleBlocksPtr Planner::visibleBlocks(const TimeStep& step, const LookPtr& loo
   if (chooser == nullptr) chooser = &classified_;
   return chooser->choose(
       {step, look, cropCells(options, step.ranges->layout.dims), view, cut, limit,
-       integrates(step, *look, view, options) || drawsSurfaces(step, *look, options)});
+       integrates(step, *look, view, options) || drawsSurfaces(step, *look, options),
+       options.algorithm});
 }
 
 FramePlanPtr Planner::plan(const TimeStep& step, const VisibleBlocksPtr& visible,
