@@ -144,15 +144,17 @@ struct ShownLook {
 struct VoxelProbe {
   std::array<double, 3> voxel;  // from 0, in between as well
   std::array<double, 3> world;
-  double value = 0;  // interpolated as drawing does
+  // Interpolated as drawing does; infinite beside an infinite voxel. Places beside a voxel that is
+  // no number show nothing, and are no answer.
+  double value = 0;
 };
 
 // Values of a slice, row after row. For axis x the rows run along y and the columns along z, for
 // axis y along x and z, for axis z along x and y, in the order of the voxels.
 struct SliceValues {
   int width = 0, height = 0;
-  int64_t every = 1;  // voxel that was taken, along both
-  std::vector<float> values;
+  int64_t every = 1;          // voxel that was taken, along both
+  std::vector<float> values;  // NaN for no number; infinite beyond 1e30, too
 };
 
 }  // namespace sluice

@@ -380,7 +380,8 @@ class Renderer:
 
     def slice(self, axis, at, *, time=0, most=1024):
         """The plane `at` of the axis 'x', 'y' or 'z' as floats, indexed by the other two axes, the
-        later one first. Of more than `most` voxels along a side every second, third, ... is taken."""
+        later one first. Of more than `most` voxels along a side every second, third, ... is taken.
+        NaN stays NaN, and values beyond 1e30 become infinite."""
         if axis not in ('x', 'y', 'z'):
             raise ValueError(f"axis: expected 'x', 'y' or 'z', found {axis!r}")
         return self._handle.slice('xyz'.index(axis), at, time, most)
@@ -388,7 +389,8 @@ class Renderer:
     def probe(self, right, down, **options):
         """The place that first hides what lies behind it at a point of the picture that render()
         gives for these options, from 0 to 1 to the right and down: a dict of voxel, world and
-        value; None if nothing shows there."""
+        value; None if nothing shows there. Places beside a NaN show nothing, and beside an infinite
+        voxel the value is infinite."""
         return self._handle.probe(self._volume, right, down, **options)
 
     @property

@@ -155,6 +155,67 @@ TEST(Array, whatItsFunctionThrowsEndsTheCall) {
   EXPECT_THROW(Volume::fromFunction(fill, {.dims = kDims, .type = "u8"}), std::runtime_error);
 }
 
+// Level 2 holds stand-ins for NaN and infinities, which nobody must see.
+TEST(Array, slicesHaveItsNansAndInfinities) {
+  constexpr float kInf = std::numeric_limits<float>::infinity();
+  std::vector<float> voxels(3 * 3 * 3, 1);
+  voxels[9 + 4] = kNan;
+  voxels[9 + 5] = kInf;
+  voxels[9 + 3] = -kInf;
+  const Volume volume = Volume::borrow(voxels.data(), {.dims = {3, 3, 3}, .type = "f32"});
+  Renderer renderer(volume, {}, {.device = RendererOptions::Device::kCpu});
+  const SliceValues slice = renderer.slice({.axis = 2, .at = 1});
+  ASSERT_EQ(slice.values.size(), 9U);
+  EXPECT_TRUE(std::isnan(slice.values[4]));
+  EXPECT_EQ(slice.values[5], kInf);
+  EXPECT_EQ(slice.values[3], -kInf);
+  for (const size_t i : {0, 1, 2, 6, 7, 8}) EXPECT_EQ(slice.values[i], 1);
+}
+
+// A sample with any part of a NaN shows nothing, in no mode.
+TEST(Array, probesPassByPlacesBesideANan) {
+  constexpr int64_t kSide = 12;
+  const auto at = [](int64_t x, int64_t y, int64_t z) {
+    return static_cast<size_t>((z * kSide + y) * kSide + x);
+  };
+  std::vector<float> voxels(kSide * kSide * kSide, 0);
+  for (size_t i = 0; i < voxels.size(); ++i) voxels[i] = 1 + 0.001F * static_cast<float>(i % 7);
+  for (int64_t y = 4; y < 8; ++y)
+    for (int64_t x = 4; x < 8; ++x)
+      for (int64_t z = 3; z < 9; ++z) voxels[at(x, y, z)] = kNan;
+  const Volume volume =
+      Volume::borrow(voxels.data(), {.dims = {kSide, kSide, kSide}, .type = "f32"});
+  using Mode = LookOptions::Mode;
+  for (const Mode mode : {Mode::kComposite, Mode::kMaximum, Mode::kMinimum, Mode::kAverage,
+                          Mode::kAttenuatedMaximum}) {
+    LookOptions look{.mode = mode};
+    if (mode == Mode::kComposite) {
+      look.threshold = 0.5;
+      look.opacity = 0.5;
+    }
+    Renderer renderer(volume, look, {.device = RendererOptions::Device::kCpu});
+    for (const double azimuth : {0.0, 33.0})
+      for (const double right : {0.4, 0.5, 0.55}) {
+        const auto found = renderer.probe(
+            {.width = 64, .height = 64, .view = {.azimuth_deg = azimuth}}, right, 0.5);
+        ASSERT_TRUE(found);
+        EXPECT_GE(found->value, 0.99) << static_cast<int>(mode) << " at " << right;
+        EXPECT_LE(found->value, 1.01) << static_cast<int>(mode) << " at " << right;
+      }
+  }
+}
+
+TEST(Array, probesBesideAnInfinityAreInfinite) {
+  std::vector<float> voxels(8 * 8 * 8, 1);
+  for (size_t i = 0; i < 8 * 8; ++i) voxels[3 * 8 * 8 + i] = std::numeric_limits<float>::infinity();
+  const Volume volume = Volume::borrow(voxels.data(), {.dims = {8, 8, 8}, .type = "f32"});
+  Renderer renderer(volume, {.mode = LookOptions::Mode::kMaximum},
+                    {.device = RendererOptions::Device::kCpu});
+  const auto found = renderer.probe({.width = 64, .height = 64}, 0.5, 0.5);
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->value, std::numeric_limits<double>::infinity());
+}
+
 TEST(Array, thatIsNoneThrows) {
   const std::vector<uint8_t> voxels(64, 0);
   const auto line = [&](const void* first, const ArrayLayout& layout) {

@@ -9,6 +9,7 @@
 #include "src/base/error.h"
 #include "src/classify/blocks/visible_cells.h"
 #include "src/render/camera/index_space.h"
+#include "src/volume/device_voxel.h"
 
 namespace sluice {
 namespace {
@@ -29,6 +30,15 @@ double deviceValue(const VolumeBlock& block, Vec3i voxel) {
     std::memcpy(&stored, block.at(voxel), sizeof stored);
     return static_cast<double>(stored);
   });
+}
+
+// A device voxel as its value, with the stand-ins of device_voxel.h undone: NaN for no number, and
+// infinities.
+double storedValue(const ValueMap& map, double device) {
+  if (device == double{kNotANumber}) return std::numeric_limits<double>::quiet_NaN();
+  if (std::abs(device) == double{kLargest})
+    device = std::copysign(std::numeric_limits<double>::infinity(), device);
+  return map.valueOf(device);
 }
 
 // Values at places of the volume, with the block of the last one at hand.
@@ -53,23 +63,18 @@ class Values {
     return {std::min(a, b), std::max(a, b)};
   }
 
-  // Linear between the eight voxels around an index position. Requires: within the volume.
+  // Linear between the eight voxels around an index position, as pictures are drawn; NaN if a voxel
+  // among them is no number: such a sample shows nothing. Requires: within the volume.
   double at(Vec3d index) {
-    const SliceRanges& ranges = *step_.ranges;
-    const Vec3i cell = cellOf(index);
-    if (!heldAt(cell) && is_known_) return ranges.map.valueOf(ranges.background);
-    load(cell);
-    double value = 0;
-    for (int corner = 0; corner < 8; ++corner) {
-      const Vec3i voxel = cell + Vec3i{corner & 1, (corner >> 1) & 1, corner >> 2};
-      double weight = 1;
-      for (int a = 0; a < 3; ++a) {
-        const double part = index[a] - static_cast<double>(cell[a]);
-        weight *= voxel[a] > cell[a] ? part : 1 - part;
-      }
-      if (weight > 0) value += weight * deviceValue(*block_, voxel);
-    }
-    return ranges.map.valueOf(value);
+    const double device = interpolated(index, [](double voxel) { return voxel; });
+    // Nothing else lies below the infinities' stand-in.
+    if (device < -2 * double{kLargest}) return std::numeric_limits<double>::quiet_NaN();
+    return step_.ranges->map.valueOf(device);
+  }
+  // The same between the stored values: infinite beside an infinite voxel.
+  double storedAt(Vec3d index) {
+    const ValueMap& map = step_.ranges->map;
+    return interpolated(index, [&](double voxel) { return storedValue(map, voxel); });
   }
 
   // The cell that an index position lies in.
@@ -82,6 +87,23 @@ class Values {
   }
 
  private:
+  template <class ValueOf>
+  double interpolated(Vec3d index, const ValueOf& value_of) {
+    const Vec3i cell = cellOf(index);
+    if (!heldAt(cell) && is_known_) return value_of(step_.ranges->background);
+    load(cell);
+    double value = 0;
+    for (int corner = 0; corner < 8; ++corner) {
+      const Vec3i voxel = cell + Vec3i{corner & 1, (corner >> 1) & 1, corner >> 2};
+      double weight = 1;
+      for (int a = 0; a < 3; ++a) {
+        const double part = index[a] - static_cast<double>(cell[a]);
+        weight *= voxel[a] > cell[a] ? part : 1 - part;
+      }
+      if (weight > 0) value += weight * value_of(deviceValue(*block_, voxel));
+    }
+    return value;
+  }
   int64_t blockOf(Vec3i cell) const {
     const BlockLayout& layout = step_.ranges->layout;
     const int64_t cells = layout.cells();
@@ -239,6 +261,7 @@ std::optional<VoxelProbe> probeAlong(const ProbeRequest& request, Session& sessi
   Values values(session, step);
   double through = 1, most = composite ? 0 : -std::numeric_limits<double>::infinity();
   std::optional<VoxelProbe> found;
+  Vec3d met{0, 0, 0};          // where that is
   std::optional<double> last;  // the value before, on the way through cells that may show something
   const auto count = static_cast<int64_t>(std::min((ray.end - ray.begin) / along, 1e8));
   for (int64_t i = 0; i <= count; ++i) {
@@ -251,6 +274,10 @@ std::optional<VoxelProbe> probeAlong(const ProbeRequest& request, Session& sessi
       continue;
     }
     const double value = values.at(max(index, Vec3d{0, 0, 0}));
+    if (std::isnan(value)) {
+      last.reset();
+      continue;
+    }
     if (!last && !request.transfer.surfaces.empty())
       last = values.at(max(index - ray.direction * along, Vec3d{0, 0, 0}));
     double weight = least ? -value : value;
@@ -263,7 +290,7 @@ std::optional<VoxelProbe> probeAlong(const ProbeRequest& request, Session& sessi
     if (composite) {
       double clear = std::pow(1 - opacityAt(request.transfer, value), lengths);
       for (const IsoSurface& surface : request.transfer.surfaces)
-        if (last && (*last >= surface.value) != (value >= surface.value))
+        if (last && !std::isnan(*last) && (*last >= surface.value) != (value >= surface.value))
           clear *= 1 - surface.opacity;
       last = value;
       const double opacity = 1 - clear;
@@ -274,10 +301,15 @@ std::optional<VoxelProbe> probeAlong(const ProbeRequest& request, Session& sessi
       most = weight;
       const Vec3d world = worldFromIndex(layout, index);
       found = VoxelProbe{{index.x, index.y, index.z}, {world.x, world.y, world.z}, value};
+      met = max(index, Vec3d{0, 0, 0});
     }
     if (composite && through < kHidden) break;
   }
   if (composite && 1 - through < kVisible) return std::nullopt;
+  if (found) {
+    const double stored = values.storedAt(met);
+    if (std::isinf(stored)) found->value = stored;
+  }
   return found;
 }
 
@@ -299,7 +331,7 @@ SliceValues sliceOf(const SliceOptions& slice, Session& session, const TimeStep&
   const SlicedLevel level = slicedLevel(step, result.every);
   const ValueMap& map = step.ranges->map;
   result.values.assign(static_cast<size_t>(result.width) * static_cast<size_t>(result.height),
-                       static_cast<float>(map.valueOf(level.background())));
+                       static_cast<float>(storedValue(map, level.background())));
   const std::vector<SlicedLevel::Run> columns = level.runs(across, result.every, result.width);
   Vec3i voxel;
   voxel[slice.axis] = level.voxelAt(slice.axis, slice.at);
@@ -320,7 +352,7 @@ SliceValues sliceOf(const SliceOptions& slice, Session& session, const TimeStep&
           voxel[down] = level.voxelAt(down, y * result.every);
           result.values[static_cast<size_t>(y) * static_cast<size_t>(result.width) +
                         static_cast<size_t>(x)] =
-              static_cast<float>(map.valueOf(deviceValue(*voxels, voxel)));
+              static_cast<float>(storedValue(map, deviceValue(*voxels, voxel)));
         }
     }
   return result;
