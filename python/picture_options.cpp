@@ -10,6 +10,7 @@
 #include <string_view>
 #include <utility>
 
+#include "src/library/requests.h"
 #include "src/options/option_table.h"
 #include "src/view/state/view_check.h"
 
@@ -263,9 +264,14 @@ const std::map<std::string, PictureKeyword>& pictureOnlyKeywords() {
           setNumber("level", "a whole number from 0", {0, 60}, value, picture.level.emplace());
         }}},
       {"max_bytes",
-       {"int",
+       {"int | str",  // a text becomes a number in Python
         [](PictureOptions& picture, const py::handle& value) {
           setNumber("max_bytes", "a number of bytes from 0", {0, 9e18}, value, picture.max_bytes);
+        }}},
+      {"modulate",
+       {"bool",  // see modulate()
+        [](PictureOptions&, const py::handle& value) {
+          taken<bool>("modulate", "True or False", value);
         }}},
       {"keep_thin",
        {"bool",
@@ -328,6 +334,15 @@ void requireOneLook(const py::kwargs& keywords) {
       throw py::type_error(fmt::format("eye and {} do not go together", angle));
 }
 
+// The command line has a flag for the ramp over gradients and an option for where it ends; the
+// state has its end alone.
+void modulate(const py::kwargs& keywords, LookOptions& look) {
+  const bool is_on = keywords.contains("modulate") && !keywords["modulate"].is_none() &&
+                     keywords["modulate"].cast<bool>();
+  if (look.full_gradient && !is_on) throw py::type_error("full_gradient requires modulate=True");
+  if (is_on && !look.full_gradient) look.full_gradient = LookArguments().full_gradient;
+}
+
 void requireNoFault(const std::optional<ViewFault>& fault) {
   if (!fault) return;
   std::string keyword = fault->field.substr(fault->field.rfind('/') + 1);
@@ -360,6 +375,7 @@ AskedPicture askedPicture(const py::kwargs& keywords, const VolumeInfo& volume) 
     entry->set(state, taken_value);
   }
   requireOneLook(keywords);
+  modulate(keywords, state.look);
   requireNoFault(faultOf(state));
   requireNoFault(faultOf(state, volume));
   return {state, state.look, state.background};

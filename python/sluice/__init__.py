@@ -15,8 +15,11 @@ second. What goes wrong with a file or a request raises sluice.Error, in one lin
 """
 
 import json as _json
+import math as _math
+import operator as _operator
 import os as _os
 import struct as _struct
+import textwrap as _textwrap
 import zlib as _zlib
 
 import numpy as _numpy
@@ -30,18 +33,76 @@ __all__ = ['Cancelled', 'Error', 'Renderer', 'Volume', 'from_array', 'from_funct
 _UNITS = {'K': 1 << 10, 'M': 1 << 20, 'G': 1 << 30, 'T': 1 << 40}
 
 
-def _bytes(size):
+def _bytes(size, keyword='memory'):
     """512 or '512M' as a number of bytes; None is 0, which means the default."""
     if size is None:
         return 0
-    if not isinstance(size, str):
-        return int(size)
-    word = size.strip().upper()
+    word = size.strip().upper() if isinstance(size, str) else ''
     unit = _UNITS.get(word[-1:], 1)
     try:
-        return int(float(word[:-1] if unit > 1 else word) * unit)
-    except (OverflowError, ValueError):
-        raise ValueError(f"memory: expected bytes as in 512000000 or '512M', found {size!r}") from None
+        count = int(float(word[:-1] if unit > 1 else word) * unit) if isinstance(size, str) else int(size)
+    except (OverflowError, TypeError, ValueError):
+        count = -1
+    if not 0 <= count < 1 << 63:
+        raise ValueError(f"{keyword}: expected bytes as in 512000000 or '512M', found {size!r}")
+    return count
+
+
+# The module prints its signatures if it gets anything else, which name no keyword.
+def _whole(keyword, number, bits=32, least=None):
+    try:
+        whole = _operator.index(number)
+    except TypeError:
+        raise TypeError(f'{keyword}: expected a whole number, found {number!r}') from None
+    if abs(whole) >> bits - 1:
+        raise ValueError(f'{keyword}: expected a number that {bits} bits hold, found {number!r}')
+    if least is not None and whole < least:
+        raise ValueError(f'{keyword}: expected a whole number from {least}, found {number!r}')
+    return whole
+
+
+def _number(keyword, number):
+    try:
+        real = float(number)
+    except (OverflowError, TypeError, ValueError):
+        real = _math.nan
+    if not _math.isfinite(real):
+        raise TypeError(f'{keyword}: expected a number, found {number!r}')
+    return real
+
+
+def _text(keyword, text):
+    if not isinstance(text, str):
+        raise TypeError(f'{keyword}: expected a text, found {text!r}')
+    return text
+
+
+def _list(keyword, items, kind, item):
+    """A list with item(keyword, each); a text is none, although its letters could be taken."""
+    try:
+        if isinstance(items, str):
+            raise TypeError
+        each = list(items)
+    except TypeError:
+        raise TypeError(f'{keyword}: expected a list of {kind}, found {items!r}') from None
+    return [item(keyword, one) for one in each]
+
+
+def _picture(options):
+    """The options of a picture as the module takes them."""
+    if isinstance(options.get('max_bytes'), str):
+        options['max_bytes'] = _bytes(options['max_bytes'], 'max_bytes')
+    return options
+
+
+def _lists_keywords(function):
+    """The function, with the keywords of pictures in the place of {keywords} in its docstring."""
+    if function.__doc__:
+        indent = ' ' * 8
+        keywords = _textwrap.fill(', '.join(_sluice.keywords()) + '.', 100, initial_indent=indent,
+                                  subsequent_indent=indent)
+        function.__doc__ = function.__doc__.replace(indent + '{keywords}', keywords)
+    return function
 
 
 def _folder(*places):
@@ -75,8 +136,9 @@ def _cache(size, folder):
     """The options of the folder for what is read from the web, as --cache and --cache-dir have them."""
     if size is None and folder is None:
         return {}
-    return dict(cache=_bytes(size or '20G'), cache_dir=_os.fspath(folder) if folder is not None else _folder(
-        ('XDG_CACHE_HOME', 'sluice/web'), ('HOME', '.cache/sluice/web')))
+    own_folder = _folder(('XDG_CACHE_HOME', 'sluice/web'), ('HOME', '.cache/sluice/web'))
+    return dict(cache=_bytes('20G' if size is None else size, 'cache'),
+                cache_dir=_os.fspath(folder) if folder is not None else own_folder)
 
 
 def _certificates():
@@ -134,6 +196,8 @@ def open(path, *, dims=None, type=None, endian=None, skip=None, time_steps=None,
     if any(str(each).startswith('s3://') for each in [*paths, over]):
         options.update(_sluice.bucket_access(_os.environ.get))
     if isinstance(channel, (list, tuple)):
+        if not channel:
+            raise ValueError('channel: expected one or more channels, found none')
         channel = ','.join(map(str, channel)) if len(channel) > 1 else channel[0]
     options['channel_name' if isinstance(channel, str) else 'channel'] = channel
     return Volume(_sluice.open_files([_os.fspath(each) for each in paths], options, progress))
@@ -149,8 +213,7 @@ def _three(keyword, numbers):
 
 def _place(spacing, origin, unit, name):
     for keyword, text in (('unit', unit), ('name', name)):
-        if not isinstance(text, str):
-            raise TypeError(f'{keyword}: expected a text, found {text!r}')
+        _text(keyword, text)
     return _sluice.ArrayPlace(_three('spacing', spacing), _three('origin', origin), unit, name)
 
 
@@ -210,7 +273,10 @@ def from_function(fill, shape, dtype, *, spacing=(1, 1, 1), origin=(0, 0, 0), un
     def packed(time, lo, hi):
         return _numpy.ascontiguousarray(fill(time, lo, hi), dtype=dtype)
 
-    return Volume(_sluice.open_function(packed, tuple(shape), _numpy.dtype(dtype), _place(spacing, origin, unit, name),
+    if not callable(fill):
+        raise TypeError(f'fill: expected a function, found {fill!r}')
+    sides = _list('shape', shape, 'whole numbers', lambda keyword, side: _whole(keyword, side, 64))
+    return Volume(_sluice.open_function(packed, tuple(sides), _numpy.dtype(dtype), _place(spacing, origin, unit, name),
                                         dict(memory=_bytes(memory), threads=threads), progress))
 
 
@@ -271,7 +337,7 @@ class Volume:
 
     def histogram(self, bins=256):
         """How often values occur, as numpy.histogram() gives it: counts, and one more edges."""
-        return self._handle.histogram(bins)
+        return self._handle.histogram(_whole('bins', bins))
 
     def _renderer(self):
         if self._own is None:
@@ -332,18 +398,21 @@ class Renderer:
         if not isinstance(volume, Volume):
             raise TypeError(f'volume: expected what open() or from_array() returns, found {type(volume).__name__}')
         self._volume = volume._handle
-        self._handle = _sluice.Renderer(volume._handle, device, _bytes(memory), threads or 0, pipeline)
+        self._handle = _sluice.Renderer(volume._handle, _text('device', device), _bytes(memory),
+                                        _whole('threads', threads or 0), pipeline)
 
+    @_lists_keywords
     def render(self, *, progress=None, **options):
         """Draws a picture and returns it as bytes of shape (height, width, 4): red, green, blue,
         alpha, not premultiplied; opaque over a `background`.
 
-        `options` are those of `sluice render`: threshold, opacity, opacities, transfer, map, range,
-        labels, mode, shade, full_gradient, view, azimuth, elevation, zoom, projection, fov, up,
-        eye, target, fit, time, step, crop, clip, background; and of the picture `size` ((width,
-        height) or one number), `pixel_error`, `level`, `max_bytes`, `keep_thin`, `time_limit` (seconds)
-        and `opacity_threshold`. With depth=True the result is a pair, the second of shape (height, width): the distance from the eye in
-        world units, inf where nothing shows.
+        `options` have the names and values of the options of `sluice render`:
+
+        {keywords}
+
+        `size` is (width, height) or one number for both, `max_bytes` a number or a text such as
+        '512M', and `time_limit` seconds. With depth=True the result is a pair, the second of shape
+        (height, width): the distance from the eye in world units, inf where nothing shows.
 
         progress(stage, done, total) is called with 'drawing' and groups of blocks.
 
@@ -352,14 +421,14 @@ class Renderer:
             (64, 64, 4)
             >>> volume.render(zoom=-1)
             Traceback (most recent call last):
-            ValueError: zoom: expected a number above 0, up to 1000000, found -1
+            ValueError: zoom: expected a number from 1e-06 to 1000000, found -1
         """
-        return self._handle.render(self._volume, progress, **options)
+        return self._handle.render(self._volume, progress, **_picture(options))
 
     def save(self, path, *, progress=None, **options):
         """Draws a picture into a PNG or EXR file, in strips if it is large. The file appears whole
         or not at all, and replaces one that is there."""
-        self._handle.save(self._volume, _os.fspath(path), progress, **options)
+        self._handle.save(self._volume, _os.fspath(path), progress, **_picture(options))
 
     def plan(self, *, progress=None, **options):
         """The cost of the picture that render() draws for these options, before it is drawn: a dict
@@ -376,7 +445,7 @@ class Renderer:
             >>> list(plan['algorithms'])
             ['conventional', 'clipped', 'trimmed', 'merged']
         """
-        return self._handle.plan(self._volume, progress, **options)
+        return self._handle.plan(self._volume, progress, **_picture(options))
 
     def slice(self, axis, at, *, time=0, most=1024):
         """The plane `at` of the axis 'x', 'y' or 'z' as floats, indexed by the other two axes, the
@@ -384,14 +453,15 @@ class Renderer:
         NaN stays NaN, and values beyond 1e30 become infinite."""
         if axis not in ('x', 'y', 'z'):
             raise ValueError(f"axis: expected 'x', 'y' or 'z', found {axis!r}")
-        return self._handle.slice('xyz'.index(axis), at, time, most)
+        return self._handle.slice('xyz'.index(axis), _whole('at', at, 64), _whole('time', time, 64),
+                                  _whole('most', most))
 
     def probe(self, right, down, **options):
         """The place that first hides what lies behind it at a point of the picture that render()
         gives for these options, from 0 to 1 to the right and down: a dict of voxel, world and
         value; None if nothing shows there. Places beside a NaN show nothing, and beside an infinite
         voxel the value is infinite."""
-        return self._handle.probe(self._volume, right, down, **options)
+        return self._handle.probe(self._volume, _number('right', right), _number('down', down), **_picture(options))
 
     @property
     def look(self):
@@ -436,11 +506,12 @@ def simulate(trace, *, policies=None, sizes=None, format=None, page_bytes=4096, 
     """
     request = _sluice.SimulationRequest()
     request.trace = _os.fspath(trace)
-    request.policies = list(policies or [])
-    request.sizes = [int(size) for size in sizes or []]
-    request.format = format
-    request.page_bytes = page_bytes
-    request.pins = pin
+    request.policies = _list('policies', policies or [], 'names', _text)
+    request.sizes = _list('sizes', [] if sizes is None else sizes, 'whole numbers',
+                          lambda keyword, size: _whole(keyword, size, 64, 1))
+    request.format = None if format is None else _text('format', format)
+    request.page_bytes = _whole('page_bytes', page_bytes, 64, 1)
+    request.pins = bool(pin)
     rows = _json.loads(_sluice.simulate(request))['rows']
     return {name: _numpy.array([row[name] for row in rows]) for name in rows[0]}
 

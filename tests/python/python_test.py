@@ -108,7 +108,7 @@ class Pictures(unittest.TestCase):
               '--fov', '50']),
             (dict(size=64, mode='mip', crop=(0, 0, 0, 64, 32, 48), view='left', zoom=1.5),
              ['--size', '64', '--mode', 'mip', '--crop', '0,0,0,64,32,48', '--view', 'left', '--zoom', '1.5']),
-            (dict(size=64, threshold=10, clip=[(1, 0, 0, 30)], step=0.7, full_gradient=0.2, opacity=0.2),
+            (dict(size=64, threshold=10, clip=[(1, 0, 0, 30)], step=0.7, modulate=True, full_gradient=0.2, opacity=0.2),
              ['--size', '64', '--threshold', '10', '--clip', '1,0,0,30', '--step', '0.7', '--modulate',
               '--full-gradient', '0.2', '--opacity', '0.2']),
             (dict(size=64, iso=[100, (180, 0.4, 'ff8800')], light=(60, 10), ambient=0.2),
@@ -404,6 +404,10 @@ class Requests(unittest.TestCase):
             (dict(opacities=[(5, 0.1), (1, 0.2)]), ValueError, 'opacities'),
             (dict(opacities=[(5, 2)]), ValueError, 'opacities'), (dict(level=-1), ValueError, 'level'),
             (dict(level=5), sluice.Error, 'level'), (dict(transfer='no/such.json'), sluice.Error, 'no/such.json'),
+            (dict(full_gradient=0.05), TypeError, 'full_gradient requires modulate'),
+            (dict(full_gradient=0.05, modulate=False), TypeError, 'full_gradient requires modulate'),
+            (dict(modulate='yes'), TypeError, 'modulate: expected True or False'),
+            (dict(max_bytes='20 K B'), ValueError, '^max_bytes: expected bytes'),
             (dict(pixel_error=0), ValueError, 'pixel_error'), (dict(depth='yes'), TypeError, 'depth')]:
             with self.subTest(options), self.assertRaisesRegex(error, words):
                 volume.render(**options)
@@ -411,6 +415,26 @@ class Requests(unittest.TestCase):
             sluice.Renderer(volume, device='abacus')
         with self.assertRaisesRegex(ValueError, 'memory'):
             sluice.Renderer(volume, memory='lots')
+        for call, error, words in [
+                (lambda: sluice.Renderer(volume, memory=-1), ValueError, "^memory: expected bytes .*, found -1$"),
+                (lambda: sluice.Renderer(volume, memory=float('nan')), ValueError, '^memory: .*, found nan$'),
+                (lambda: sluice.open(PHANTOM, cache=-4, cache_dir='c'), ValueError, '^cache: .*, found -4$'),
+                (lambda: sluice.Renderer(volume, threads='x'), TypeError, "^threads: .* whole number, found 'x'$"),
+                (lambda: sluice.Renderer(volume, device=4), TypeError, '^device: expected a text, found 4$'),
+                (lambda: volume.slice('z', 'a'), TypeError, "^at: .* whole number, found 'a'$"),
+                (lambda: volume.slice('z', 1, most=1 << 40), ValueError, '^most: .* 32 bits'),
+                (lambda: volume.probe('a', 0.5), TypeError, "^right: expected a number, found 'a'$"),
+                (lambda: volume.probe(0.5, float('nan')), TypeError, '^down: expected a number, found nan$'),
+                (lambda: volume.histogram(2.5), TypeError, '^bins: .* whole number, found 2.5$'),
+                (lambda: sluice.from_function(len, ('a', 2, 2), 'f4'), TypeError, '^shape: .* whole number'),
+                (lambda: sluice.from_function(4, (4, 4, 4), 'f4'), TypeError, '^fill: expected a function'),
+                (lambda: sluice.simulate('t', page_bytes='x'), TypeError, '^page_bytes: '),
+                (lambda: sluice.simulate('t', policies='lru'), TypeError, '^policies: expected a list of names'),
+                (lambda: sluice.simulate('t', sizes=[0.5]), TypeError, '^sizes: .* whole number'),
+                (lambda: sluice.simulate('t', sizes=[-1]), ValueError, '^sizes: .* from 1, found -1$'),
+                (lambda: sluice.open(PHANTOM, channel=[]), ValueError, '^channel: expected one or more')]:
+            with self.subTest(words), self.assertRaisesRegex(error, words):
+                call()
         with self.assertRaisesRegex(sluice.Error, 'no/such/file.nrrd'):
             sluice.open('no/such/file.nrrd')
         for options, error, words in [
@@ -474,6 +498,26 @@ class Requests(unittest.TestCase):
         volume = sluice.from_array(ball())
         same = {keyword: None for keyword in sluice._sluice.keywords()}
         self.assertTrue((volume.render(**{**same, 'size': 32}) == volume.render(size=32)).all())
+
+    def test_modulate_with_the_ramp_of_the_program(self):
+        volume = sluice.from_array(ball())
+        plain, modulated, given, other = (
+            volume.render(size=32, threshold=10, **options)
+            for options in ({}, dict(modulate=True), dict(modulate=True, full_gradient=0.1),
+                            dict(modulate=True, full_gradient=0.9)))
+        self.assertTrue((modulated == given).all())
+        self.assertFalse((modulated == plain).all())
+        self.assertFalse((modulated == other).all())
+        self.assertTrue((volume.render(size=32, threshold=10, modulate=False) == plain).all())
+
+    def test_take_bytes_as_the_program_does(self):
+        volume = sluice.from_array(ball())
+        expected = volume.render(size=32, max_bytes=20 << 10)
+        self.assertTrue((volume.render(size=32, max_bytes='20K') == expected).all())
+
+    def test_have_every_keyword_in_the_docstring(self):
+        words = set(sluice.Renderer.render.__doc__.replace(',', ' ').replace('.', ' ').split())
+        self.assertLessEqual(set(sluice._sluice.keywords()), words)
 
     def test_have_every_keyword_in_the_stubs(self):
         stubs = ast.parse((pathlib.Path(PACKAGE) / 'sluice/__init__.pyi').read_text())
@@ -760,7 +804,7 @@ def stand_in_widgets():
 
 class Docstrings(unittest.TestCase):
     def test_say_what_happens(self):
-        options = doctest.ELLIPSIS | doctest.IGNORE_EXCEPTION_DETAIL
+        options = doctest.ELLIPSIS
         failed, tried = doctest.testmod(sluice, extraglobs={'sluice': sluice}, optionflags=options)
         self.assertEqual(failed, 0)
         self.assertGreater(tried, 20)
