@@ -339,8 +339,11 @@ std::optional<std::string> gapNote(const std::vector<std::filesystem::path>& fil
   const auto usual = std::max_element(
       steps.begin(), steps.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
   const int64_t step = usual->first;
-  // Numbers that go up anyhow are no series with gaps.
-  if (step <= 0 || usual->second * 3 < (numbers.size() - 1) * 2) return std::nullopt;
+  // Numbers that go up anyhow are no series with gaps. Of three files two are neighbours, and one
+  // is missing before the third.
+  const bool is_one_of_four = numbers.size() == 3 && steps.contains(2 * step);
+  if (step <= 0 || (usual->second * 3 < (numbers.size() - 1) * 2 && !is_one_of_four))
+    return std::nullopt;
   int64_t missing = 0;
   size_t gap = 0;
   for (size_t i = numbers.size() - 1; i > 0; --i) {

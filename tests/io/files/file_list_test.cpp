@@ -123,6 +123,13 @@ TEST(GapNote, namesWhatIsMissing) {
   const std::vector<std::filesystem::path> few{"s_0.raw", "s_1.raw", "s_2.raw", "s_4.raw"};
   EXPECT_THAT(gapNote(few).value_or(""), HasSubstr("s_3.raw is missing, between s_2.raw"));
   EXPECT_EQ(gapNote({"s_1.raw", "s_2.raw", "s_4.raw", "s_8.raw"}), std::nullopt);
+  // Three of four: two steps are neighbours, and one is missing.
+  EXPECT_THAT(gapNote({"q_000.raw", "q_001.raw", "q_003.raw"}).value_or(""),
+              HasSubstr("q_002.raw is missing, between q_001.raw"));
+  EXPECT_THAT(gapNote({"q_000.raw", "q_100.raw", "q_300.raw"}).value_or(""),
+              HasSubstr("q_200.raw is missing"));
+  EXPECT_EQ(gapNote({"q_0.raw", "q_1.raw", "q_7.raw"}), std::nullopt);
+  EXPECT_EQ(gapNote({"q_0.raw", "q_3.raw", "q_5.raw"}), std::nullopt);
 }
 
 TEST(FileIdentity, changesWithAnyFileOfAList) {
