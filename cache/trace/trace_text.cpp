@@ -38,6 +38,7 @@ class TextReader final : public Reader {
       return true;
     }
     if (is_promised_) failCut();
+    if (promised_) checkPromised(*promised_);
     warnIfCut();
     return false;
   }
@@ -45,17 +46,20 @@ class TextReader final : public Reader {
  private:
   void readComment(std::string_view line) {
     if (line.ends_with(kPromise)) is_promised_ = true;
-    if (!is_promised_ || !line.substr(1).starts_with(" ") ||
-        !line.substr(2).starts_with(kRecordsWord))
-      return;
+    if (!line.substr(1).starts_with(" ") || !line.substr(2).starts_with(kRecordsWord)) return;
     uint64_t promised = 0;
     line.remove_prefix(2 + kRecordsWord.size());
-    if (!takeNumber(line, promised) || !line.empty()) failCut();
-    checkPromised(promised);
+    if (takeNumber(line, promised) && line.empty())
+      promised_ = promised;
+    else if (is_promised_)
+      failCut();
+    else
+      return;  // a sentence of somebody's
     is_promised_ = false;
   }
 
-  bool is_promised_ = false;  // the number of records is still to come
+  bool is_promised_ = false;          // the number of records is still to come
+  std::optional<uint64_t> promised_;  // compared at the end, wherever it stands
 };
 
 class TextWriter final : public Writer {

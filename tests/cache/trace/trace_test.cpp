@@ -77,6 +77,13 @@ TEST(TraceReaders, warnOfOthersFilesThatMayBeCut) {
   EXPECT_THAT(warningsOf(record + last, TraceFormat::kOracleGeneral), IsEmpty());
 }
 
+TEST(TraceReaders, takeTheirNumberOfRecordsWhereverItStands) {
+  const std::string head = "sluice-trace 1 page_bytes 4096\n", record = "1 1 0 0 4096 0 0 0\n";
+  EXPECT_EQ(read(head + record + "# records 1\n", TraceFormat::kText).records.size(), 1U);
+  EXPECT_EQ(read(head + "# records 2\n" + record + record, TraceFormat::kText).records.size(), 2U);
+  EXPECT_EQ(read(head + "# records of a turn\n" + record, TraceFormat::kText).records.size(), 1U);
+}
+
 struct Hostile {
   TraceFormat format;
   std::string content;
@@ -102,6 +109,10 @@ TEST(TraceReaders, rejectBadInputInOneLine) {
        "within the bytes moved"},
       {TraceFormat::kText, head + "1 1 0 0 2199023255552 0 0 0\n", "2^40"},
       {TraceFormat::kText, head + "1 1 0 0 4096 0 0 0 64\n", "levels from 0 to 63"},
+      {TraceFormat::kText, head + "1 1 0 0 4096 0 0 0\n# records 2\n",
+       "t: expected 2 records, found 1"},
+      {TraceFormat::kText, head + "# records 2\n1 1 0 0 4096 0 0 0\n",
+       "t: expected 2 records, found 1"},
       {TraceFormat::kBinary, "", "first bytes"},
       {TraceFormat::kBinary, "SLTRACE\x02", "first bytes"},
       {TraceFormat::kBinary, std::string("SLTRACE\x01", 8), "the file ends in the middle"},
