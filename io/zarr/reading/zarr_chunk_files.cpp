@@ -16,6 +16,9 @@
 namespace sluice {
 namespace {
 
+// What to do about a packed store that is not as it was packed.
+constexpr const char* kMendStore = "copy the store again or pack it again";
+
 constexpr uint64_t kCrcBytes = sizeof(uint32_t);
 constexpr uint64_t kIndexCacheBytes = 4 << 20;  // until setBudget()
 constexpr size_t kMostMissing = 1 << 16;        // a few megabytes
@@ -84,7 +87,7 @@ bool ZarrChunkFiles::exists(int64_t chunk) {
   if (checksums_) {
     if (stored(chunk).bytes > 0) return true;
     if (folder_.store->canList() && folder_.has(array_.fileName(array_.placeOf(chunk).file)))
-      fail("{}: expected no such chunk, as packed, found one", path(chunk));
+      fail("{}: expected no such chunk, as packed, found one; {}", path(chunk), kMendStore);
     return false;
   }
   const ZarrArray::Place place = array_.placeOf(chunk);
@@ -276,7 +279,8 @@ std::optional<uint64_t> ZarrChunkFiles::read(
   std::span<std::byte> out;
   const bool is_there = readFile(place.file, wanted, [&](const PieceInfo& piece) {
     if (checksums_ && piece.bytes != stored(chunk).bytes)
-      fail("{}: expected {} bytes, as packed, found {}", path, stored(chunk).bytes, piece.bytes);
+      fail("{}: expected {} bytes, as packed, found {}; the chunk is damaged, {}", path,
+           stored(chunk).bytes, piece.bytes, kMendStore);
     if (!indices_) wanted.bytes = piece.bytes;
     if (wanted.offset > piece.bytes || wanted.bytes > piece.bytes - wanted.offset)
       fail(
@@ -299,8 +303,8 @@ std::optional<uint64_t> ZarrChunkFiles::read(
   if (checksums_) {
     const uint64_t found = zarrChecksum(out);
     if (found != stored(chunk).checksum)
-      fail("{}: expected the checksum {:016x}, as packed, found {:016x}; the chunk is damaged",
-           path, stored(chunk).checksum, found);
+      fail("{}: expected the checksum {:016x}, as packed, found {:016x}; the chunk is damaged, {}",
+           path, stored(chunk).checksum, found, kMendStore);
   }
   if (array_.has_crc) requireCrc(out, path, "a chunk");
   return wanted.bytes - behind;

@@ -341,7 +341,9 @@ TEST_F(PackedDamage, anyFlippedBitOfAChunkIsAnErrorThatNamesIt) {
 
 TEST_F(PackedDamage, aCutChunkIsAnErrorThatNamesIt) {
   fs::resize_file(store_ / "0/1/2/1", 50);
-  EXPECT_THAT(readError(), AllOf(HasSubstr("0/1/2/1"), HasSubstr("found 50")));
+  EXPECT_THAT(readError(),
+              AllOf(HasSubstr("0/1/2/1"), HasSubstr("found 50; the chunk is damaged, copy the "
+                                                    "store again or pack it again")));
 }
 
 TEST_F(PackedDamage, aMissingChunkIsNotTakenForEmpty) {
