@@ -199,7 +199,7 @@ class LegacyParser {
       fail("{}: expected POINT_DATA or CELL_DATA before {}, found none", path_, kind);
     const std::string name = words_.next();
     int64_t components = kind == "TENSORS" ? 9 : kind == "TENSORS6" ? 6 : 3;
-    std::string type = is_text_ ? "colours from 0 to 1" : "unsigned_char";
+    std::string type = is_text_ ? std::string(kVtkTextColors) : "unsigned_char";
     if (kind == "TEXTURE_COORDINATES" || kind == "COLOR_SCALARS") components = whole("components");
     if (kind != "COLOR_SCALARS") type = words_.next();
     const std::string rest = words_.line();

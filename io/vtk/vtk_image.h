@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "io/files/xml_scanner.h"
@@ -32,6 +33,9 @@ struct VtkArray {
   uint64_t offset = 0;  // of its first byte, or its block header's
   uint64_t end = 0;     // of text: where it ends at the latest
 };
+
+// The type of COLOR_SCALARS in a text file, which are written as shares of 255.
+inline constexpr std::string_view kVtkTextColors = "colours as text";
 
 // More are an Error.
 inline constexpr size_t kMostVtkArrays = 4096;

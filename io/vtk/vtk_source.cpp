@@ -34,6 +34,10 @@ bool isReadable(const VtkArray& array) {
 }
 
 std::string described(const VtkArray& array) {
+  if (array.type == kVtkTextColors && array.components == 1)
+    return fmt::format(
+        "{} (COLOR_SCALARS as text, 1 a {}; write the file as BINARY, or the numbers as SCALARS)",
+        inQuotes(array.name), array.is_of_cells ? "cell" : "point");
   return fmt::format("{} ({} of {} a {})", inQuotes(array.name), array.components,
                      inQuotes(array.type), array.is_of_cells ? "cell" : "point");
 }

@@ -170,6 +170,17 @@ TEST_F(Vtk, wrongFilesAreNamed) {
   }
 }
 
+TEST(VtkImage, coloursAsTextAreRefusedWithWhatToDo) {
+  const TempFolder folder;
+  const auto path = folder.write(
+      "c.vtk",
+      "# vtk DataFile Version 3.0\nt\nASCII\nDATASET STRUCTURED_POINTS\nDIMENSIONS 2 2 1\n"
+      "SPACING 1 1 1\nORIGIN 0 0 0\nPOINT_DATA 4\nCOLOR_SCALARS a 1\n0 0.2 0.4 1\n");
+  EXPECT_THAT(errorOf([&] { openVtk(path, {}, {}); }),
+              HasSubstr("found 'a' (COLOR_SCALARS as text, 1 a point; write the file as BINARY, or "
+                        "the numbers as SCALARS)"));
+}
+
 TEST(VtkImage, legacyArraysBehindOthersAreFound) {
   const std::string text =
       "# vtk DataFile Version 3.0\nt\nASCII\nDATASET STRUCTURED_POINTS\nDIMENSIONS 2 1 1\n"
