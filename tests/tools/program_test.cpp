@@ -236,6 +236,15 @@ TEST(Program, infoSaysWhatTheVolumeIs) {
   EXPECT_TRUE(info["index"].contains("state"));
 }
 
+TEST(Program, infoPrintsShortSpacings) {
+  const Program program;
+  const std::string volume =
+      "info synth:cube,dims=9x8x7,spacing=1.1x0.9999999999999999x1.6999999999999997 --levels";
+  EXPECT_NE(program.run(volume).output.find("spacing 1.1 x 1 x 1.7, "), std::string::npos);
+  EXPECT_EQ(program.json(volume)["spacing"],
+            nlohmann::json({1.1, 0.9999999999999999, 1.6999999999999997}));
+}
+
 TEST(Program, infoGivesValuesTheirRangeHoweverLarge) {
   const Program program;
   std::string bytes;

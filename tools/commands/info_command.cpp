@@ -112,7 +112,7 @@ void print(const IndexedVolume& volume, const ChosenLook& look) {
   say("{}\n", layout.name);
   say("  {} x {} x {} voxels, {}, {} a time step\n", dims.x, dims.y, dims.z, name(layout.type),
       formatBytes(voxels * bytesPerVoxel(layout.type)));
-  say("  spacing {} x {} x {}, {} time step{}\n", layout.spacing.x, layout.spacing.y,
+  say("  spacing {:.6g} x {:.6g} x {:.6g}, {} time step{}\n", layout.spacing.x, layout.spacing.y,
       layout.spacing.z, layout.time_steps, layout.time_steps == 1 ? "" : "s");
   const WorldBounds bounds = worldBounds(volume.source->layout());
   const auto triple = [](Vec3d v) { return fmt::format("{:g}, {:g}, {:g}", v.x, v.y, v.z); };
