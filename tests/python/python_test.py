@@ -108,6 +108,7 @@ class Pictures(unittest.TestCase):
               '--fov', '50']),
             (dict(size=64, mode='mip', crop=(0, 0, 0, 64, 32, 48), view='left', zoom=1.5),
              ['--size', '64', '--mode', 'mip', '--crop', '0,0,0,64,32,48', '--view', 'left', '--zoom', '1.5']),
+            (dict(size=64, threshold=10, modulate=True), ['--size', '64', '--threshold', '10', '--modulate']),
             (dict(size=64, threshold=10, clip=[(1, 0, 0, 30)], step=0.7, modulate=True, full_gradient=0.2, opacity=0.2),
              ['--size', '64', '--threshold', '10', '--clip', '1,0,0,30', '--step', '0.7', '--modulate',
               '--full-gradient', '0.2', '--opacity', '0.2']),
