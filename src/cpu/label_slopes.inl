@@ -87,8 +87,29 @@ HWY_INLINE void readWithoutMargin(const KernelBox& box, const V3& cell, LabelsAr
   }
 }
 
-// The change of the labels' opacity from texel to texel along each axis, by Sobel's operator at the
-// eight texels around a place, interpolated. A call of its own, since few frames draw labels.
+// Sobel's operator at the eight texels around a place, interpolated, on numbers of the texels around.
+template <class NumberOf>
+HWY_INLINE V3 sobelSlopes(const Place& place, const NumberOf& number_of) {
+  const SobelWeights x = sobelWeights(place.fx), y = sobelWeights(place.fy),
+                     z = sobelWeights(place.fz);
+  V3 slopes{hn::Zero(F()), hn::Zero(F()), hn::Zero(F())};
+  for (int row = 0; row < 16; ++row) {
+    const int j = row % 4, k = row / 4;
+    V slope = hn::Zero(F()), mean = hn::Zero(F());
+    for (int i = 0; i < 4; ++i) {
+      const V number = number_of(4 * row + i);
+      slope = hn::MulAdd(x.slope[i], number, slope);
+      mean = hn::MulAdd(x.mean[i], number, mean);
+    }
+    slopes.x = hn::MulAdd(hn::Mul(y.mean[j], z.mean[k]), slope, slopes.x);
+    slopes.y = hn::MulAdd(hn::Mul(y.slope[j], z.mean[k]), mean, slopes.y);
+    slopes.z = hn::MulAdd(hn::Mul(y.mean[j], z.slope[k]), mean, slopes.z);
+  }
+  return slopes;
+}
+
+// The change of the labels' opacity from texel to texel along each axis. A call of its own, since few
+// frames draw labels. Two labels at most around a place are so common that no others are looked up.
 template <DeviceType kType, bool kSpread>
 HWY_NOINLINE V3 labelSlopesAt(const KernelFrame& frame, const KernelBox& box, V3 at, Place place) {
   LabelsAround labels;
@@ -97,23 +118,21 @@ HWY_NOINLINE V3 labelSlopesAt(const KernelFrame& frame, const KernelBox& box, V3
   else
     readWithoutMargin<kType>(
         box, {hn::Sub(at.x, place.fx), hn::Sub(at.y, place.fy), hn::Sub(at.z, place.fz)}, labels);
-  V3 slopes{hn::Zero(F()), hn::Zero(F()), hn::Zero(F())};
-  M differs = hn::Ne(labels.at(1), labels.at(0));
-  for (int i = 2; i < 64; ++i) differs = hn::Or(differs, hn::Ne(labels.at(i), labels.at(0)));
-  if (hn::AllFalse(F(), differs)) return slopes;
-  const SobelWeights x = sobelWeights(place.fx), y = sobelWeights(place.fy),
-                     z = sobelWeights(place.fz);
-  for (int row = 0; row < 16; ++row) {
-    const int j = row % 4, k = row / 4;
-    V slope = hn::Zero(F()), mean = hn::Zero(F());
-    for (int i = 0; i < 4; ++i) {
-      const V opacity = labelOpacityOf<kType>(frame, labels.at(4 * row + i));
-      slope = hn::MulAdd(x.slope[i], opacity, slope);
-      mean = hn::MulAdd(x.mean[i], opacity, mean);
-    }
-    slopes.x = hn::MulAdd(hn::Mul(y.mean[j], z.mean[k]), slope, slopes.x);
-    slopes.y = hn::MulAdd(hn::Mul(y.slope[j], z.mean[k]), mean, slopes.y);
-    slopes.z = hn::MulAdd(hn::Mul(y.mean[j], z.slope[k]), mean, slopes.z);
+  V least = labels.at(0), greatest = least;
+  for (int i = 1; i < 64; ++i) {
+    least = hn::Min(least, labels.at(i));
+    greatest = hn::Max(greatest, labels.at(i));
   }
-  return slopes;
+  const V jump = hn::Sub(labelOpacityOf<kType>(frame, greatest),
+                         labelOpacityOf<kType>(frame, least));
+  M other = hn::MaskFromVec(hn::Zero(F()));
+  for (int i = 0; i < 64; ++i)
+    other = hn::Or(other, hn::And(hn::Gt(labels.at(i), least), hn::Lt(labels.at(i), greatest)));
+  if (hn::AllFalse(F(), other)) {
+    if (hn::AllTrue(F(), hn::Eq(jump, hn::Zero(F())))) return {jump, jump, jump};
+    return sobelSlopes(place, [&](int i) {
+      return hn::IfThenElseZero(hn::Eq(labels.at(i), greatest), jump);
+    });
+  }
+  return sobelSlopes(place, [&](int i) { return labelOpacityOf<kType>(frame, labels.at(i)); });
 }
