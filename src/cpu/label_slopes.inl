@@ -1,4 +1,4 @@
-// How steeply the opacity of labels changes, which is what their light looks at. Included once a target.
+// The slopes of the opacity of labels, on which their light falls. Included once a target.
 
 // One texel a lane, from an offset in bytes.
 template <DeviceType kType>

@@ -4,8 +4,8 @@
 //
 // All ranks make the cut through levels of resolution that one process makes. Its blocks are dealt
 // in hands that hold whole blocks of the coarsest level in the picture, however few they are. An
-// algorithm that loads every block loads every block of this rank's hands. Of a
-// volume that the ranks lend in boxes, each draws the parts of blocks in its own.
+// algorithm that loads every block loads every block of this rank's hands. If the ranks lend a
+// volume in boxes, each draws the parts of blocks in its own.
 #pragma once
 
 #include <cstdint>

@@ -24,8 +24,10 @@ def saved(window, folder):
 def stopped(window):
     """The window sees nothing meanwhile."""
     window.process.send_signal(signal.SIGSTOP)
-    yield
-    window.process.send_signal(signal.SIGCONT)
+    try:
+        yield
+    finally:
+        window.process.send_signal(signal.SIGCONT)
 
 
 def views(folder, is_busy):

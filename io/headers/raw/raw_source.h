@@ -62,8 +62,9 @@ class RawSource : public VolumeSource, public UnitSource {
   const int64_t segment_voxels_;
   const std::shared_ptr<const ByteStore> header_;
   const std::string identity_;
-  // Room for gathers, as much as threads had at a time. The allocator would map it anew for each
-  // read, and each of its pages would be a fault.
+  // Gathers take their room from here and give it back: there are as many as threads read at a
+  // time. The allocator would map a room anew for each read, and each of its pages would be a
+  // fault.
   Mutex spans_mutex_;
   std::vector<AlignedArray<std::byte>> idle_spans_ SLUICE_GUARDED_BY(spans_mutex_);
 };

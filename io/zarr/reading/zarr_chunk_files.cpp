@@ -16,7 +16,7 @@
 namespace sluice {
 namespace {
 
-// What to do about a packed store that is not as it was packed.
+// A packed store that is not as it was packed ends with this advice.
 constexpr const char* kMendStore = "copy the store again or pack it again";
 
 constexpr uint64_t kCrcBytes = sizeof(uint32_t);

@@ -65,7 +65,7 @@ void setLights(const FrameSetup& setup, GlProgram& program) {
     halfway.add(along(setup, normalized(light.toward + Vec3d{0, 0, 1})));
     reflection.add(light.strength * lighting.specular);
   }
-  // Of labels the gradient is one of opacities.
+  // The gradient of labels is one of opacities, which have no scale.
   reflection.add(lighting.ambient)
       .add(setup.look_up->labels ? setup.flat : setup.flat / valueScale(setup.type));
   program.set3("index_toward", toward.data(), 2);

@@ -25,7 +25,7 @@ std::vector<uint8_t> greys(const SliceValues& slice, std::array<double, 2> range
   const auto factor = static_cast<float>(255 / (range[1] - range[0]));
   for (size_t i = 0; i < slice.values.size(); ++i) {
     const float at = (slice.values[i] - lo) * factor;
-    // Black for NaN, too, of which a comparison is false.
+    // NaN is black, too: a comparison with it is false.
     const auto grey = static_cast<uint8_t>(at > 0 ? std::min(at, 255.0F) : 0);
     rgba[4 * i] = rgba[4 * i + 1] = rgba[4 * i + 2] = grey;
   }
