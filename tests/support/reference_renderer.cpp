@@ -13,6 +13,7 @@
 #include "src/base/error.h"
 #include "tests/support/clipped_points.h"
 #include "tests/support/reference_extinction.h"
+#include "tests/support/reference_gradients.h"
 #include "tests/support/reference_light.h"
 #include "tests/support/reference_lighting.h"
 #include "tests/support/reference_surfaces.h"
@@ -79,6 +80,7 @@ class Renderer {
         view_(view),
         scene_(scene),
         values_(source, scene.time),
+        gradients_(layout_, scene.transfer, values_),
         light_(layout_, view, scene, values_),
         index_from_world_(layout_),
         crop_(scene.crop ? intersect(*scene.crop, boxOf(layout_.dims)) : boxOf(layout_.dims)),
@@ -210,12 +212,6 @@ class Renderer {
                        });
   }
 
-  static Vec3d clampedTo(const Box3& box, Vec3d p) {
-    for (int a = 0; a < 3; ++a)
-      p[a] = std::clamp(p[a], static_cast<double>(box.lo[a]), static_cast<double>(box.hi[a] - 1));
-    return p;
-  }
-
   // The opacity of a sample of this length, for a gradient of `magnitude` value units a voxel
   // length.
   double opacity(double value, double magnitude, double voxel_lengths) const {
@@ -274,7 +270,7 @@ class Renderer {
   }
   Vec3d litAt(Vec3d p, Vec3d rgb) const {
     if (!scene_.lighting) return rgb;
-    const Vec3d g = scene_.transfer.labels ? labelGradient(p) : gradient(p);
+    const Vec3d g = scene_.transfer.labels ? gradients_.ofLabels(p) : gradients_.at(p);
     return litReference(scene_, view_, flatReference(scene_, finest_), g, rgb, light_.at(p));
   }
 
@@ -297,8 +293,8 @@ class Renderer {
       add(out, rgb, 1 - std::pow(1 - a, part - from), sample.depth);
       Vec3d color = surface->rgb;
       if (scene_.lighting)
-        color = litReference(scene_, view_, 0, cubeGradient(placeAt(part), surface->value), color,
-                             light_.at(placeAt(part)));
+        color = litReference(scene_, view_, 0, gradients_.overCube(placeAt(part), surface->value),
+                             color, light_.at(placeAt(part)));
       add(out, color, surface->opacity, sample.depth + (part - 0.5) * view_.step);
       from = part;
     }
@@ -316,7 +312,7 @@ class Renderer {
           labels ? values_.labelAt(sample.p) : ReferenceValues::Label{};
       const double value = labels ? label.value : values_.at(sample.p);
       const double magnitude =
-          scene_.transfer.gradients.empty() ? 0 : length(gradient(sample.p)) * finest_;
+          scene_.transfer.gradients.empty() ? 0 : length(gradients_.at(sample.p)) * finest_;
       const double a = opacity(value, magnitude, voxel_lengths);
       double doubt = sample.near_face ? a : doubtOf(value, magnitude, voxel_lengths);
       if (labels && label.lead < scene_.rounding.label_weight) doubt = 1;
@@ -347,7 +343,7 @@ class Renderer {
       if (std::isnan(front)) return true;
       const auto mean = meanExtinction(scene_.transfer, front, back);
       const double magnitude =
-          scene_.transfer.gradients.empty() ? 0 : length(gradient(sample.p)) * finest_;
+          scene_.transfer.gradients.empty() ? 0 : length(gradients_.at(sample.p)) * finest_;
       const double whole = (1 - std::exp2(-mean[3])) *
                            gradientFactorAt(scene_.transfer, (front + back) / 2, magnitude);
       const double a = 1 - std::pow(1 - whole, voxel_lengths);
@@ -466,66 +462,11 @@ class Renderer {
     return out;
   }
 
-  // Value units a world unit, in world directions.
-  Vec3d gradient(Vec3d p) const {
-    Vec3d g;
-    for (int a = 0; a < 3; ++a) {
-      Vec3d before = p, after = p;
-      before[a] = std::max(p[a] - 1, 0.0);
-      after[a] = std::min(p[a] + 1, static_cast<double>(layout_.dims[a] - 1));
-      const double difference = values_.at(after) - values_.at(before);
-      if (std::isnan(difference)) continue;  // tells nothing of the slope along this axis
-      g = g + layout_.axes[static_cast<size_t>(a)] * (difference / (2 * layout_.spacing[a]));
-    }
-    return g;
-  }
-
-  // The same of the opacity of labels: Sobel's weights (1, 2, 1) across an axis and (-1, 0, 1)
-  // along it at each voxel around, whose sums are interpolated.
-  Vec3d labelGradient(Vec3d p) const {
-    const Box3 all = boxOf(layout_.dims);
-    const Vec3d low{std::floor(p.x), std::floor(p.y), std::floor(p.z)};
-    Vec3d g;
-    for (int i = 0; i < 8 * 27; ++i) {
-      Vec3d way, voxel = low;
-      double weight = 1;
-      for (int a = 0, corner = i / 27, rest = i % 27; a < 3; ++a, corner /= 2, rest /= 3) {
-        way[a] = rest % 3 - 1;
-        voxel[a] += corner % 2 + way[a];
-        weight *= corner % 2 != 0 ? p[a] - low[a] : 1 - (p[a] - low[a]);
-      }
-      if (weight == 0) continue;
-      const double label = values_.at(clampedTo(all, voxel));
-      if (std::isnan(label)) continue;
-      const double opacity = opacityAt(scene_.transfer, label);
-      for (int a = 0; a < 3; ++a) {
-        double across = 1;
-        for (int b = 0; b < 3; ++b)
-          if (b != a) across *= way[b] == 0 ? 0.5 : 0.25;
-        const double slope = weight * across * way[a] / 2 * opacity;
-        g = g + layout_.axes[static_cast<size_t>(a)] * (slope / layout_.spacing[a]);
-      }
-    }
-    return g;
-  }
-
-  // The same from the corners of a unit cube, in voxels. `value` is at its middle.
-  Vec3d cubeGradient(Vec3d p, double value) const {
-    Vec3d g;
-    for (int corner = 0; corner < 8; ++corner) {
-      const Vec3d side{(corner & 1) - 0.5, (corner >> 1 & 1) - 0.5, (corner >> 2) - 0.5};
-      double there = values_.at(clampedTo(boxOf(layout_.dims), p + side));
-      if (std::isnan(there)) there = value;
-      for (int a = 0; a < 3; ++a)
-        g = g + layout_.axes[static_cast<size_t>(a)] * (side[a] * there / (2 * layout_.spacing[a]));
-    }
-    return g;
-  }
-
   const VolumeLayout& layout_;
   const View& view_;
   const ReferenceScene& scene_;
   const ReferenceValues values_;
+  const ReferenceGradients gradients_;
   const ReferenceLight light_;
   const IndexFromWorld index_from_world_;
   const Box3 crop_;

@@ -81,6 +81,12 @@ ReferenceValues::Label heaviest(const std::byte* bytes, Vec3i dims, Vec3d p) {
 
 }  // namespace
 
+Vec3d clampedTo(const Box3& box, Vec3d p) {
+  for (int a = 0; a < 3; ++a)
+    p[a] = std::clamp(p[a], static_cast<double>(box.lo[a]), static_cast<double>(box.hi[a] - 1));
+  return p;
+}
+
 ReferenceValues::ReferenceValues(VolumeSource& source, int64_t time) : layout_(source.layout()) {
   bytes_.resize(static_cast<size_t>(volume(layout_.dims)) * bytesPerVoxel(layout_.type));
   source.readRegion(time, boxOf(layout_.dims), bytes_);

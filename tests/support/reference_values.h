@@ -8,6 +8,9 @@
 
 namespace sluice {
 
+// The nearest position between the voxels of a box.
+Vec3d clampedTo(const Box3& box, Vec3d p);
+
 class ReferenceValues {
  public:
   // Reads the whole time step into memory.
