@@ -333,16 +333,13 @@ void requireOneLook(const py::kwargs& keywords) {
       throw py::type_error(fmt::format("eye and {} do not go together", angle));
 }
 
-// The default of --full-gradient.
-constexpr double kFullGradient = 0.1;
-
 // The command line has a flag for the ramp over gradients and an option for where it ends; the
 // state has its end alone.
 void modulate(const py::kwargs& keywords, LookOptions& look) {
   const bool is_on = keywords.contains("modulate") && !keywords["modulate"].is_none() &&
                      keywords["modulate"].cast<bool>();
   if (look.full_gradient && !is_on) throw py::type_error("full_gradient requires modulate=True");
-  if (is_on && !look.full_gradient) look.full_gradient = kFullGradient;
+  if (is_on && !look.full_gradient) look.full_gradient = LookOptions::kUsualFullGradient;
 }
 
 void requireNoFault(const std::optional<ViewFault>& fault) {

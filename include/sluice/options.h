@@ -92,6 +92,7 @@ struct LookOptions {
   // The opacity times a ramp of the gradient's magnitude, which is 1 from this share of the values'
   // range a voxel length on, above 0; unset: no ramp.
   std::optional<double> full_gradient = {};
+  static constexpr double kUsualFullGradient = 0.1;  // what commands take for a ramp
   friend bool operator==(const LookOptions&, const LookOptions&) = default;
 };
 

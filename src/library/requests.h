@@ -3,6 +3,8 @@
 // converted to these; commands fill these directly.
 #pragma once
 
+#include <sluice/options.h>
+
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -53,8 +55,9 @@ struct LookArguments {
   // For people who give no options: lit if that shows more, one look for a whole series, chosen
   // from the values. Benches stay plain: unlit, and a ramp from plainThreshold() on.
   bool first_picture = false;
-  bool modulate = false;       // the opacity by the gradient's magnitude
-  double full_gradient = 0.1;  // gradient of factor 1: a share of the value range per voxel length
+  bool modulate = false;  // the opacity by the gradient's magnitude
+  // The gradient of factor 1: a share of the value range per voxel length.
+  double full_gradient = LookOptions::kUsualFullGradient;
   double attenuation = kDefaultAttenuation;  // of the attenuated maximum
   std::array<float, 3> background{0, 0, 0};
   bool has_background = false;
