@@ -82,15 +82,15 @@ HWY_NOINLINE void addSamples(const ChannelWay& way, const V& k, int first, int l
                                       hn::MulAdd(part, way.pace.y, way.first.y),
                                       hn::MulAdd(part, way.pace.z, way.first.z)});
     const Place place = placeAt(way.cells, at);
-    const V value = frame.labels ? labelAt<kType>(box, place) : valueAt<kType>(box, place);
+    const auto [value, square] = numbersAt<kType, kShading>(frame, box, place);
     if (kType == DeviceType::kF32) shows = hn::AndNot(isNoNumber(value), shows);
-    if (!frame.shades_every_sample) {
+    if (kShading != Shading::kSpread && !frame.shades_every_sample) {
       shows = hn::And(shows, hn::And(hn::Ge(value, all(frame.least_visible)),
                                      hn::Le(value, all(frame.most_visible))));
       if (hn::AllFalse(F(), shows)) continue;
     }
     const Color color =
-        colorOf<kType, kShading>(frame, box, at, place, value, value, way.ray_length);
+        colorOf<kType, kShading>(frame, box, at, place, value, square, way.ray_length);
     Mixture& to = mixtures[j];
     to.sum = {hn::Add(to.sum.r, hn::IfThenElseZero(shows, color.r)),
               hn::Add(to.sum.g, hn::IfThenElseZero(shows, color.g)),
@@ -100,13 +100,22 @@ HWY_NOINLINE void addSamples(const ChannelWay& way, const V& k, int first, int l
   }
 }
 
+// Of a channel: for boxes of one number a texel, and for those of two.
+struct Adding {
+  AddSamples one = nullptr, two = nullptr;
+
+  AddSamples of(const KernelBox& box) const { return box.has_spread ? two : one; }
+};
+
 template <DeviceType kType>
-AddSamples addingTyped(const KernelFrame& frame) {
-  if (frame.lit || frame.rows > 0) return &addSamples<kType, Shading::kGradients>;
-  if (frame.perspective) return &addSamples<kType, Shading::kLength>;
-  return &addSamples<kType, Shading::kTable>;
+Adding addingTyped(const KernelFrame& frame) {
+  const AddSamples two =
+      frame.labels ? &addSamples<kType, Shading::kShares> : &addSamples<kType, Shading::kSpread>;
+  if (frame.lit || frame.rows > 0) return {&addSamples<kType, Shading::kGradients>, two};
+  if (frame.perspective) return {&addSamples<kType, Shading::kLength>, two};
+  return {&addSamples<kType, Shading::kTable>, two};
 }
-AddSamples addingOf(const KernelFrame& frame) {
+Adding addingOf(const KernelFrame& frame) {
   switch (frame.type) {
     case DeviceType::kU8:
       return addingTyped<DeviceType::kU8>(frame);
@@ -231,7 +240,7 @@ HWY_INLINE void drawBlock(const KernelFrame& frame, BlockWay& block, const M& go
 }
 
 // The box at the front of a block's boxes, and those that join it.
-HWY_NOINLINE void drawBoxes(const KernelFrame* const* frames, const AddSamples* adds,
+HWY_NOINLINE void drawBoxes(const KernelFrame* const* frames, const Adding* adds,
                             const KernelBox* boxes, TilePixels& tile) {
   const KernelFrame& frame = *frames[0];
   const auto [x_lo, y_lo, x_hi, y_hi] = packetsOf(boxes[0], tile);
@@ -247,7 +256,7 @@ HWY_NOINLINE void drawBoxes(const KernelFrame* const* frames, const AddSamples* 
       block.middle = hn::Add(packet.jitter, all(0.5F));
       for (uint32_t i = 0; i <= boxes[0].joined; ++i) {
         const uint32_t channel = boxes[i].channel;
-        addWay(*frames[channel], boxes[i], tile, packet, step, adds[channel], block);
+        addWay(*frames[channel], boxes[i], tile, packet, step, adds[channel].of(boxes[i]), block);
       }
       if (block.count == 0) continue;
       drawBlock(frame, block, going, pixels);
@@ -259,7 +268,7 @@ HWY_NOINLINE void drawBoxes(const KernelFrame* const* frames, const AddSamples* 
 
 void drawBlended(const KernelFrame* const* frames, size_t channels, const KernelBox* boxes,
                  const uint32_t* indices, size_t count, TilePixels& tile) {
-  std::array<AddSamples, kMostBlended> adds{};
+  std::array<Adding, kMostBlended> adds{};
   for (size_t c = 0; c < channels; ++c) adds[c] = addingOf(*frames[c]);
   constexpr size_t kBlocksBetweenLooks = 8;
   for (size_t i = 0; i < count; ++i) {

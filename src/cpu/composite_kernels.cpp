@@ -72,17 +72,8 @@ struct Passage {
           hn::MulAdd(k, pace.z, first.z)};
     if (clamps) at = clamped(cells, at);
     const Place place = placeAt(cells, at);
-    if constexpr (kShading == Shading::kSpread) {
-      const SpreadValue both = spreadAt<kType>(box, place, frame.spread_scale);
-      return {k, both.mean, both.square, hn::Lt(k, end), at, place};
-    } else if constexpr (kShading == Shading::kShares) {
-      const auto unit = static_cast<float>(1 / wholeShare(kType));
-      const SharedLabel both = sharedLabelAt<kType>(box, place, unit);
-      return {k, both.label, both.share, hn::Lt(k, end), at, place};
-    } else {
-      const V value = frame.labels ? labelAt<kType>(box, place) : valueAt<kType>(box, place);
-      return {k, value, value, hn::Lt(k, end), at, place};
-    }
+    const auto [value, square] = numbersAt<kType, kShading>(frame, box, place);
+    return {k, value, square, hn::Lt(k, end), at, place};
   }
 
   // The lanes of `within` that take a sample.

@@ -183,7 +183,7 @@ std::vector<KernelBox> CpuDevice::kernelBoxes() const {
   std::vector<ChannelBox> joined;
   for (const BoxDraw& box : put_off_) {
     const Resident& chunk = resident_.at(box.chunk);
-    SLUICE_CHECK(!chunk.texels->has_spread || drawsSpreads(setup_));
+    SLUICE_CHECK(!chunk.texels->has_spread || drawsSpreads(setupOfChannel(setup_, box.channel)));
     const bool leaps = leaps_ && chunk.leaps.grid->shown_share < kMostShownToLeap;
     const LeapGrid* const grid = leaps ? &*chunk.leaps.grid : nullptr;
     if (setup_.others.empty()) {

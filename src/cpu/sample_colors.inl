@@ -20,6 +20,26 @@ constexpr bool isIntegrated(Shading shading) {
   return shading == Shading::kSegments || shading == Shading::kSegmentGradients;
 }
 
+// The value at a place, and the square of its spread, or a label and its share; one number twice if
+// the chunk has one.
+struct Numbers {
+  V value, square;
+};
+template <DeviceType kType, Shading kShading>
+HWY_INLINE Numbers numbersAt(const KernelFrame& frame, const KernelBox& box, const Place& place) {
+  if constexpr (kShading == Shading::kSpread) {
+    const SpreadValue both = spreadAt<kType>(box, place, frame.spread_scale);
+    return {both.mean, both.square};
+  } else if constexpr (kShading == Shading::kShares) {
+    const auto unit = static_cast<float>(1 / wholeShare(kType));
+    const SharedLabel both = sharedLabelAt<kType>(box, place, unit);
+    return {both.label, both.share};
+  } else {
+    const V value = frame.labels ? labelAt<kType>(box, place) : valueAt<kType>(box, place);
+    return {value, value};
+  }
+}
+
 template <DeviceType kType, Shading kShading>
 HWY_INLINE V3 differencesOf(const KernelBox& box, const V3& at, const Place& place) {
   constexpr bool kSpread = hasTwoNumbers(kShading);

@@ -147,10 +147,10 @@ struct FrameSetup {
   // neighbouring boxes find the same value, and exactly one of them has a surface next to their
   // face.
   bool has_surfaces = false;
-  // Composite only, of chunks without spreads, unlit or lit, nothing else: further channels on the
-  // same grid, which are one medium with this one. Theirs are look_up, type, lit and flat. Boxes
-  // come with their channels (BoxDraw), those of a block one behind the other. A sample blends all
-  // channels whose boxes hold it: of opacities a_c and colours c_c its opacity is
+  // Composite only, unlit or lit, nothing else: further channels on the same grid, which are one
+  // medium with this one. Theirs are look_up, type, lit and flat. Boxes come with their channels
+  // (BoxDraw), those of a block one behind the other and of one scale. A sample blends all channels
+  // whose boxes hold it: of opacities a_c and colours c_c its opacity is
   // a = 1 - (1 - a_1) (1 - a_2) ..., and its colour (a_1 c_1 + a_2 c_2 + ...) / (a_1 + a_2 + ...).
   std::vector<FrameSetup> others = {};
   // Composite only: colours are darkened by this share at the farthest of `shown_depths`, by none
@@ -229,6 +229,11 @@ constexpr OuterFaces outerFaces(const FrameSetup& setup, const Box3& cells) {
     outer.hi[static_cast<size_t>(a)] = cells.hi[a] >= setup.shown.hi[a];
   }
   return outer;
+}
+
+// The setup of a channel's look, see FrameSetup::others.
+inline const FrameSetup& setupOfChannel(const FrameSetup& setup, size_t channel) {
+  return channel == 0 ? setup : setup.others[channel - 1];
 }
 
 // Whether chunks with spreads may be drawn.

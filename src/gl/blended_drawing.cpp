@@ -14,8 +14,11 @@ BlendedBlocks takeBlocks(std::span<const BoxDraw>& boxes, size_t channels) {
     size_t count = 1;
     while (count < boxes.size() && boxes[count].joins) ++count;
     const std::span<const BoxDraw> of_block = boxes.first(count);
+    const Vec3d scale = of_block.front().texels.indexScale();
     const bool fits = std::ranges::all_of(of_block, [&](const BoxDraw& box) {
-      return blocks.chunks[box.channel].value_or(box.chunk) == box.chunk;
+      SLUICE_CHECK(box.texels.indexScale() == scale);
+      return blocks.chunks[box.channel].value_or(box.chunk) == box.chunk &&
+             (blocks.hulls.empty() || blocks.hulls.front().texels.indexScale() == scale);
     });
     if (!fits) break;
     BoxDraw hull = of_block.front();
@@ -44,13 +47,12 @@ std::vector<BoxDraw> inGroups(const BlendedBlocks& blocks, size_t first, size_t 
   return groups;
 }
 
-GlProgram& BlendedDrawing::begin(const FrameSetup& setup, bool fetches) {
-  std::vector<const FrameSetup*> channels{&setup};
-  for (const FrameSetup& other : setup.others) channels.push_back(&other);
-  BlendedVariant variant;
-  for (const FrameSetup* channel : channels)
-    variant.channels.push_back(frameVariant(*channel, fetches));
-  variant.view = viewVariant(variant.channels.front());
+void BlendedDrawing::begin(const FrameSetup& setup, bool fetches) {
+  channels_ = {&setup};
+  for (const FrameSetup& other : setup.others) channels_.push_back(&other);
+  variants_.clear();
+  for (const FrameSetup* channel : channels_) variants_.push_back(frameVariant(*channel, fetches));
+  told_.clear();
 
   // Units that the frame's other textures leave.
   GLenum next = 0;
@@ -59,34 +61,49 @@ GlProgram& BlendedDrawing::begin(const FrameSetup& setup, bool fetches) {
     return next++;
   };
   chunk_units_.clear();
-  std::vector<LookUnits> units;
-  for (const ShaderVariant& channel : variant.channels) {
+  look_units_.clear();
+  for (size_t c = 0; c < channels_.size(); ++c) {
     chunk_units_.push_back(takeUnit());
-    const GLenum look_up = takeUnit();
-    units.push_back({look_up, channel.factor_table ? takeUnit() : look_up});
+    LookUnits units;
+    units.look_up = units.factors = units.expected = takeUnit();
+    if (variants_[c].factor_table) units.factors = takeUnit();
+    if (channels_[c]->look_up->expected != nullptr) units.expected = takeUnit();
+    look_units_.push_back(units);
   }
   if (static_cast<int>(std::max(next, kNoiseUnit + 1)) > texture_units_)
     failRequest(
         "--combine blend: {} channels need {} textures at once, and the GL driver has {}; give "
         "--device cpu, or fewer channels",
-        channels.size(), std::max(next, kNoiseUnit + 1), texture_units_);
+        channels_.size(), std::max(next, kNoiseUnit + 1), texture_units_);
+  while (looks_.size() < channels_.size()) looks_.push_back(std::make_unique<LookTextures>(gl_));
+}
 
+void BlendedDrawing::use(Vec3d scale, const std::vector<bool>& has_spread,
+                         const std::function<void(GlProgram&)>& tell) {
+  BlendedVariant variant;
+  for (size_t c = 0; c < channels_.size(); ++c)
+    variant.channels.push_back(boxVariant(variants_[c], scale, has_spread[c]));
+  variant.view = viewVariant(variant.channels.front());
   auto& program = programs_[variant];
   if (!program)
     program = std::make_unique<GlProgram>(gl_, blendedVertexShader(variant),
                                           blendedFragmentShader(variant));
   program_ = program.get();
   program->use();
-  while (looks_.size() < channels.size()) looks_.push_back(std::make_unique<LookTextures>(gl_));
-  for (size_t c = 0; c < channels.size(); ++c) {
-    const FrameSetup& channel = *channels[c];
+  const bool is_new = told_.insert(variant).second;
+  for (size_t c = 0; c < channels_.size(); ++c) {
+    const FrameSetup& channel = *channels_[c];
     program->ofChannel(c);
-    program->set("chunk", static_cast<int>(chunk_units_[c]));
-    looks_[c]->setLookUp(channel, variant.channels[c], *program, units[c]);
-    setShading(channel, variant.channels[c], *program);
+    if (is_new) {
+      program->set("chunk", static_cast<int>(chunk_units_[c]));
+      looks_[c]->setLookUp(channel, variant.channels[c], *program, look_units_[c]);
+      looks_[c]->setSecondNumber(channel, variant.channels[c], *program, look_units_[c]);
+      setShading(channel, variant.channels[c], *program);
+    }
+    if (variant.channels[c].scaled) program->set("texel_scale", scale);
   }
   program->ofAll();
-  return *program;
+  if (is_new) tell(*program);
 }
 
 void BlendedDrawing::bindChunk(size_t channel, GLuint texture, Vec3i storage_vox) {

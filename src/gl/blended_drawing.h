@@ -3,9 +3,11 @@
 // for each channel. One thread, the context's.
 #pragma once
 
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <span>
 #include <vector>
 
@@ -18,7 +20,8 @@
 namespace sluice {
 
 // Blocks that one call draws: the hull of each one's boxes, and all of their boxes, `channels` a
-// block, an empty one for each channel that the block lacks. Each channel's boxes are of one chunk.
+// block, an empty one for each channel that the block lacks. All are of one scale
+// (TexelMap::indexScale()), and each channel's boxes are of one chunk.
 struct BlendedBlocks {
   std::vector<BoxDraw> hulls, boxes;
   std::vector<std::optional<uint64_t>> chunks;  // of each channel that has a box
@@ -37,9 +40,13 @@ class BlendedDrawing {
   BlendedDrawing(const GlFunctions& gl, int texture_units)
       : gl_(gl), texture_units_(texture_units) {}
 
-  // The frame's program, in use, and told of the channels' looks, but not of the view. `fetches`:
-  // ShaderVariant's.
-  GlProgram& begin(const FrameSetup& setup, bool fetches);
+  // Begins a frame, whose setup must outlive it. `fetches`: ShaderVariant's. Throws Error if the
+  // driver has too few texture units.
+  void begin(const FrameSetup& setup, bool fetches);
+  // The frame's program for blocks of this scale, whose chunks of each channel have spreads or not,
+  // is in use from now on. `tell` tells a program that does not know it of the view.
+  void use(Vec3d scale, const std::vector<bool>& has_spread,
+           const std::function<void(GlProgram&)>& tell);
   // Binds the channel's texture, and tells the program of its size.
   void bindChunk(size_t channel, GLuint texture, Vec3i storage_vox);
 
@@ -47,6 +54,10 @@ class BlendedDrawing {
   const GlFunctions& gl_;
   const int texture_units_;
   std::map<BlendedVariant, std::unique_ptr<GlProgram>> programs_;
+  std::set<BlendedVariant> told_;            // of this frame
+  std::vector<const FrameSetup*> channels_;  // of this frame
+  std::vector<ShaderVariant> variants_;      // of each channel, of boxes of the finest level
+  std::vector<LookUnits> look_units_;
   std::vector<std::unique_ptr<LookTextures>> looks_;  // of each channel
   std::vector<GLenum> chunk_units_;
   GlProgram* program_ = nullptr;

@@ -184,7 +184,7 @@ void GlDevice::beginFrame(const FrameSetup& setup, const StopToken& stop) {
   if (setup_.others.empty())
     frameProgram(kOne, false);
   else
-    setFrameView(blended_.begin(setup_, fetches_));
+    blended_.begin(setup_, fetches_);
 }
 
 void GlDevice::setFrame(GlProgram& program) {
@@ -200,18 +200,11 @@ void GlDevice::setFrame(GlProgram& program) {
 
 GlProgram& GlDevice::frameProgram(Vec3d scale, bool has_spread) {
   SLUICE_CHECK(!has_spread || drawsSpreads(setup_));
-  ShaderVariant variant = variant_;
-  variant.scaled = scale != kOne;
-  variant.spread = has_spread && traitsOf(setup_.mode).has_colors && !variant.labels;
-  variant.shares = has_spread && variant.labels;
-  // A spread may show where the value does not.
-  variant.rough_first = variant.rough_first && !variant.spread;
+  const ShaderVariant variant = boxVariant(variant_, scale, has_spread);
   GlProgram& program = programFor(variant);
   if (told_.insert(variant).second) {
     setFrame(program);
-    if (variant.spread) look_.setExpected(setup_, program);
-    if (variant.shares)
-      program.set("share_unit", valueScale(setup_.type) / wholeShare(setup_.type));
+    look_.setSecondNumber(setup_, variant, program);
     if (variant.integrates) look_.setSums(setup_, program);
   }
   if (variant.scaled) program.set("texel_scale", scale);
@@ -283,11 +276,27 @@ void GlDevice::drawBlended(std::span<const BoxDraw> boxes) {
   const size_t channels = setup_.others.size() + 1;
   while (!boxes.empty()) {
     const BlendedBlocks blocks = takeBlocks(boxes, channels);
+    std::vector<const Resident*> chunks(channels, nullptr);
     for (size_t c = 0; c < channels; ++c) {
       if (!blocks.chunks[c]) continue;
       const auto found = resident_.find(*blocks.chunks[c]);
       SLUICE_CHECK(found != resident_.end());
-      blended_.bindChunk(c, found->second.texture, found->second.storage_vox);
+      chunks[c] = &found->second;
+      SLUICE_CHECK(!chunks[c]->format.has_spread || drawsSpreads(setupOfChannel(setup_, c)));
+    }
+    // A channel without a box takes after the others, so that few programs serve all blocks.
+    const bool have_spreads = std::ranges::any_of(
+        chunks, [](const Resident* chunk) { return chunk != nullptr && chunk->format.has_spread; });
+    std::vector<bool> has_spread;
+    for (size_t c = 0; c < channels; ++c)
+      has_spread.push_back(chunks[c] != nullptr
+                               ? chunks[c]->format.has_spread
+                               : have_spreads && drawsSpreads(setupOfChannel(setup_, c)));
+    blended_.use(blocks.hulls.front().texels.indexScale(), has_spread,
+                 [this](GlProgram& program) { setFrameView(program); });
+    for (size_t c = 0; c < channels; ++c) {
+      if (chunks[c] == nullptr) continue;
+      blended_.bindChunk(c, chunks[c]->texture, chunks[c]->storage_vox);
       ++binds_;
     }
     drawPieces(blocks.hulls, [&](const DrawingPiece& piece) {

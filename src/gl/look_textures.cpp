@@ -6,12 +6,13 @@
 #include <vector>
 
 #include "src/device/blue_noise.h"
+#include "src/device/chunk_texels.h"
 #include "src/gl/shaders/shading.h"
 
 namespace sluice {
 namespace {
 
-constexpr GLenum kExpectedUnit = 4, kSumsUnit = 5, kLightUnit = 7;
+constexpr GLenum kSumsUnit = 5, kLightUnit = 7;
 
 // Filter of the bound table's texture.
 void setFilter(const GlFunctions& gl, GLint filter) {
@@ -137,16 +138,22 @@ void LookTextures::setJitter(const FrameSetup& setup, GlProgram& program) {
   program.set("jitter_share", setup.jitter);
 }
 
-void LookTextures::setExpected(const FrameSetup& setup, GlProgram& program) {
+void LookTextures::setSecondNumber(const FrameSetup& setup, const ShaderVariant& variant,
+                                   GlProgram& program, const LookUnits& units) {
+  if (variant.spread) setExpected(setup, units.expected, program);
+  if (variant.shares) program.set("share_unit", valueScale(setup.type) / wholeShare(setup.type));
+}
+
+void LookTextures::setExpected(const FrameSetup& setup, GLenum unit, GlProgram& program) {
   const ExpectedLookPtr& look = setup.look_up->expected;
-  gl_.ActiveTexture(GL_TEXTURE0 + kExpectedUnit);
+  gl_.ActiveTexture(GL_TEXTURE0 + unit);
   gl_.BindTexture(GL_TEXTURE_2D, expected_);
   if (expected_look_ != look)
     gl_.TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA32F, look->entries, look->rows, 0, GL_RGBA, GL_FLOAT,
                    look->rgba.data());
   expected_look_ = look;
   setFilter(gl_, GL_LINEAR);
-  program.set("expected", static_cast<int>(kExpectedUnit));
+  program.set("expected", static_cast<int>(unit));
   // Entry e lies at (e + 1/2) / entries of the texture.
   const ValueRange range = look->device_range;
   const double span = range.hi - range.lo, scale = valueScale(setup.type);

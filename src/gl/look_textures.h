@@ -16,7 +16,7 @@ namespace sluice {
 inline constexpr GLenum kBoxUnit = 2, kNoiseUnit = 8;
 
 struct LookUnits {
-  GLenum look_up = 1, factors = 3;
+  GLenum look_up = 1, factors = 3, expected = 4;
 };
 
 class LookTextures {
@@ -29,7 +29,9 @@ class LookTextures {
   // Each binds its texture and tells the program, which is in use, how to read it.
   void setLookUp(const FrameSetup& setup, const ShaderVariant& variant, GlProgram& program,
                  const LookUnits& units = {});
-  void setExpected(const FrameSetup& setup, GlProgram& program);
+  // What chunks with two numbers a texel take, if the variant is one for such.
+  void setSecondNumber(const FrameSetup& setup, const ShaderVariant& variant, GlProgram& program,
+                       const LookUnits& units = {});
   // Called after setLookUp(), whose line of entries it replaces.
   void setSums(const FrameSetup& setup, GlProgram& program);
   // Requires: the frame has a light volume.
@@ -38,6 +40,7 @@ class LookTextures {
   void setJitter(const FrameSetup& setup, GlProgram& program);
 
  private:
+  void setExpected(const FrameSetup& setup, GLenum unit, GlProgram& program);
   // Uploads the look-up into the bound texture, and factors into theirs.
   void uploadLookUp(const FrameSetup& setup, const ShaderVariant& variant);
 

@@ -21,7 +21,7 @@ vec3 first, along;
 void enterBox(int at, vec2 pixel, vec3 origin, vec3 step, float jitter) {
   readBox(at);
   range = slices(origin, step);
-  along = textureOrder(step) * texel_size;
+  along = textureOrder(step * TEXEL_SCALE) * texel_size;
   first = texel0 + pixel.x * texel_dx + pixel.y * texel_dy + jitter * along;
 }
 
@@ -33,15 +33,22 @@ void addSample(int k, float ray_length, inout vec4 total, inout float clear) {
 #endif
   vec3 at = first + float(k - first_k) * along;
 #if LABELS
-  float value = labelAt(at).r;
+  vec2 both = labelAt(at);
+  float share = both.g;
 #else
-  float value = texelAt(at).r;
+  vec2 both = texelAt(at);
+  const float share = 1.0;
 #endif
+  float value = both.r;
 #if FLOATS
   if (IS_NO_NUMBER(vec3(value)).x) return;
 #endif
 #if GOES_AHEAD
-  if (value < visible.x || value > visible.y) return;
+  bool shows = value >= visible.x && value <= visible.y;
+#if SPREAD
+  shows = shows || both.g > 0.0;
+#endif
+  if (!shows) return;
 #endif
 #if GRADIENT_ROWS > 0 || LABELS
   float voxel_lengths = slice_length * ray_length;
@@ -49,7 +56,7 @@ void addSample(int k, float ray_length, inout vec4 total, inout float clear) {
   const float voxel_lengths = 1.0;
 #endif
   float entry = entryOf(value);
-  vec4 color = shownColor(entryColor(value, entry), value, 1.0, entry, at, ray_length,
+  vec4 color = shownColor(entryColor(value, entry), value, share, entry, at, ray_length,
                           voxel_lengths, vec3(0.0));
   total += color;
   clear *= 1.0 - color.a;

@@ -80,7 +80,8 @@ constexpr const char* kOfChannels[] = {
     "texelOf",       "textureOrder",    "toward0",          "toward1",
     "turn",          "view_reflection", "visible",          "visible_texels",
     "weightOf",      "labelSlopes",     "opacityAt",        "slopeWeights",
-    "meanWeights"};
+    "meanWeights",   "texel_scale",     "share_unit",       "expected",
+    "expected_line", "expectedColor",   "spreadShareAt",    "expected_length"};
 
 // The text of one channel: the same as that of a single one, with names of its own.
 std::string channelText(const ShaderVariant& variant, size_t channel) {

@@ -166,6 +166,15 @@ ShaderVariant frameVariant(const FrameSetup& setup, bool fetches) {
   return variant;
 }
 
+ShaderVariant boxVariant(ShaderVariant frame, Vec3d scale, bool has_spread) {
+  frame.scaled = scale != Vec3d{1, 1, 1};
+  frame.shares = has_spread && frame.labels;
+  frame.spread = has_spread && !frame.labels && frame.combining == Combining::kBlend;
+  // A spread may show where the value does not.
+  frame.rough_first = frame.rough_first && !frame.spread;
+  return frame;
+}
+
 ShaderVariant viewVariant(const ShaderVariant& variant) {
   return {.perspective = variant.perspective,
           .with_depth = variant.with_depth,

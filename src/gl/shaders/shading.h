@@ -19,6 +19,8 @@ double valueScale(DeviceType type);
 // The variant that draws the frame's boxes of chunks without spreads, whose texels are voxels.
 // `fetches`: ShaderVariant's.
 ShaderVariant frameVariant(const FrameSetup& setup, bool fetches);
+// The same for boxes of this scale (TexelMap::indexScale()) of a chunk with spreads or without.
+ShaderVariant boxVariant(ShaderVariant frame, Vec3d scale, bool has_spread);
 // The members of it that channels of one frame share.
 ShaderVariant viewVariant(const ShaderVariant& variant);
 
