@@ -122,4 +122,14 @@ Box3 PyramidLayout::childrenOf(int number, Vec3i index) const {
   return children;
 }
 
+bool areAlike(const PyramidLayout& a, const PyramidLayout& b) {
+  if (a.levels() != b.levels()) return false;
+  for (int i = 0; i < a.levels(); ++i) {
+    LevelLayout of_a = a.level(i);
+    of_a.numbers = b.level(i).numbers;
+    if (!(of_a == b.level(i))) return false;
+  }
+  return true;
+}
+
 }  // namespace sluice

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <map>
 #include <optional>
+#include <span>
 #include <unordered_map>
 #include <utility>
+#include <vector>
 
 #include "src/base/error.h"
 #include "src/render/blocks/cut_rules.h"
@@ -14,7 +16,7 @@
 namespace sluice {
 namespace {
 
-// Bytes of a block, and of all that are chosen; `read`: those of `held` that are not in memory.
+// Bytes of blocks; `read`: those of `held` that are not in memory.
 struct BlockBytes {
   uint64_t stored = 0, held = 0, read = 0;
   void add(const BlockBytes& more) {
@@ -31,172 +33,247 @@ struct BlockBytes {
 // Parts that stay refined do so until their voxels are this many times the pixel error wide.
 constexpr double kKeepsRefined = 0.7;
 
+// What a volume has in a block's region.
+struct CutPart {
+  std::optional<ObjectBlock> object;  // nullopt: nothing
+  BlockBytes bytes;
+
+  bool isEmpty() const { return !object || object->cells.empty(); }
+};
 struct CutNode {
   int level = 0;
   Vec3i index;
-  ObjectBlock object;
-  BlockBytes bytes;
+  size_t first_part = 0;  // of the volumes' parts, see CutMaker::partsOf()
 };
 
-// Makes one cut.
+// Makes one cut of all volumes: a block is in it with the parts of all that have one there.
 class CutMaker {
  public:
-  CutMaker(const BlockQuestion& question, ShownLevels& shown)
-      : question_(question),
-        options_(*question.cut),
-        shown_(shown),
-        pyramid_(shown.pyramid()),
-        limit_(question.limit),
-        sizes_(question.step.source->layout(), question.view),
-        held_bytes_(bytesPerVoxel(question.step.ranges->map.type)),
-        holds_extremes_(std::ranges::any_of(question.step.coarser, [](const CoarserStep& level) {
-          return level.valuesShown() == LevelValues::kMaxima ||
-                 level.valuesShown() == LevelValues::kMinima;
-        })) {}
+  CutMaker(std::span<const BlockQuestion> questions,
+           const std::vector<std::shared_ptr<ShownLevels>>& shown)
+      : options_(*questions.front().cut),
+        pyramid_(shown.front()->pyramid()),
+        sizes_(questions.front().step.source->layout(), questions.front().view) {
+    for (size_t i = 0; i < questions.size(); ++i)
+      volumes_.push_back({questions[i], *shown[i], *questions[i].cut});
+    for (const CoarserStep& level : questions.front().step.coarser)
+      holds_extremes_ = holds_extremes_ || level.valuesShown() == LevelValues::kMaxima ||
+                        level.valuesShown() == LevelValues::kMinima;
+  }
 
   void makeLevel(int level) {
-    addAll(level, [&](Vec3i index) {
-      return std::optional(shown_.objectOf(level, index, question_.step.time));
+    addAll(level, [&](Volume& of, Vec3i index) {
+      return std::optional(of.shown.objectOf(level, index, of.question.step.time));
     });
     chosen_ = std::move(open_);
   }
 
   void make() {
     const int top = pyramid_.levels() - 1;
-    addAll(top, [&](Vec3i index) { return shown_.partOf(top, index, question_.step.time); });
+    addAll(top, [&](Volume& of, Vec3i index) {
+      return of.shown.partOf(top, index, of.question.step.time);
+    });
     for (int level = top; level > 0; --level) refine();
-    chosen_.insert(chosen_.end(), std::make_move_iterator(open_.begin()),
-                   std::make_move_iterator(open_.end()));
+    chosen_.insert(chosen_.end(), open_.begin(), open_.end());
   }
 
-  VisibleBlocks result() {
+  // The blocks of a volume.
+  VisibleBlocks result(size_t number) {
+    Volume& of = volumes_[number];
     VisibleBlocks blocks;
-    blocks.white = left_out_;
+    blocks.white = of.left_out;
     std::map<int, CutSummary::Level> levels;
     int64_t thin_blocks = 0;
-    for (CutNode& node : chosen_) {
-      if (node.object.cells.empty()) {
+    for (const CutNode& node : chosen_) {
+      const CutPart& part = partsOf(node)[number];
+      if (!part.object) continue;
+      if (part.isEmpty()) {
         ++blocks.white;
         continue;
       }
-      ++(node.object.kind == BlockClass::kBlack ? blocks.black : blocks.grey);
+      ++(part.object->kind == BlockClass::kBlack ? blocks.black : blocks.grey);
       CutSummary::Level& level = levels[node.level];
       level.level = node.level;
       ++level.blocks;
-      level.cells += node.object.cells.count();
-      thin_blocks += isThin(node) ? 1 : 0;
-      blocks.blocks.push_back(node.object);
+      level.cells += part.object->cells.count();
+      thin_blocks += isThin(of, node) ? 1 : 0;
+      blocks.blocks.push_back(*part.object);
     }
     std::ranges::sort(blocks.blocks, {}, &ObjectBlock::name);
     CutSummary summary;
     summary.has_spreads = true;
-    for (const auto& [number, level] : levels) {
+    for (const auto& [level_number, level] : levels) {
       summary.levels.push_back(level);
-      if (number > 0 && pyramid_.level(number).numbers != 2) summary.has_spreads = false;
+      if (level_number > 0 && of.shown.pyramid().level(level_number).numbers != 2)
+        summary.has_spreads = false;
     }
-    if (!question_.step.coarser.empty())
-      summary.values = question_.step.coarser.front().valuesShown();
-    const int64_t shown = levels.contains(0) ? levels[0].cells : 0;
-    summary.coarse_share = shown_.coarseShare(shown);
+    const std::vector<CoarserStep>& coarser = of.question.step.coarser;
+    if (!coarser.empty()) summary.values = coarser.front().valuesShown();
+    summary.coarse_share = of.shown.coarseShare(levels.contains(0) ? levels[0].cells : 0);
     summary.is_final = !is_stopped_ && !awaits_data_;
     summary.will_improve = awaits_data_;
     summary.thin_blocks = thin_blocks;
     blocks.cut = std::move(summary);
-    std::ranges::sort(refined_);
-    blocks.refined = std::move(refined_);
+    for (const CutNode& node : refined_)
+      if (const CutPart& part = partsOf(node)[number]; part.object)
+        blocks.refined.push_back(part.object->name);
+    std::ranges::sort(blocks.refined);
     return blocks;
   }
 
  private:
-  CutNode nodeOf(int level, Vec3i index, const ObjectBlock& object) const {
-    CutNode node{level, index, object, {}};
-    if (node.object.cells.empty()) return node;
-    const LevelLayout& at = pyramid_.level(level);
+  struct Volume {
+    const BlockQuestion& question;
+    ShownLevels& shown;
+    const CutOptions& options;
+    BlockBytes bytes = {};  // of open_ and chosen_
+    int64_t left_out = 0;
+    std::unordered_map<BlockName, bool, BlockNameHash> in_memory = {};  // see isInMemory()
+  };
+
+  std::span<CutPart> partsOf(const CutNode& node) {
+    return std::span(parts_).subspan(node.first_part, volumes_.size());
+  }
+
+  // The node, if a volume has a part of it.
+  std::optional<CutNode> nodeOf(int level, Vec3i index, const auto& object_of) {
+    const CutNode node{level, index, parts_.size()};
+    for (Volume& of : volumes_) parts_.push_back({object_of(of, index), {}});
+    const std::span<CutPart> parts = partsOf(node);
+    if (std::ranges::none_of(parts, [](const CutPart& part) { return part.object.has_value(); })) {
+      parts_.resize(node.first_part);
+      return std::nullopt;
+    }
+    for (size_t i = 0; i < parts.size(); ++i)
+      if (!parts[i].isEmpty()) parts[i].bytes = bytesOf(volumes_[i], level, index);
+    return node;
+  }
+
+  static BlockBytes bytesOf(const Volume& of, int level, Vec3i index) {
+    const TimeStep& step = of.question.step;
+    const LevelLayout& at = of.shown.pyramid().level(level);
     const auto voxels = static_cast<uint64_t>(at.blocks.storedVoxels(index).count());
-    const VoxelType type = question_.step.source->layout().type;
-    node.bytes = {voxels * storedBytesPerVoxel(type, at.numbers),
-                  voxels * held_bytes_ * static_cast<uint64_t>(at.numbers), 0};
-    return node;
+    return {voxels * storedBytesPerVoxel(step.source->layout().type, at.numbers),
+            voxels * bytesPerVoxel(step.ranges->map.type) * static_cast<uint64_t>(at.numbers), 0};
   }
 
-  // The node, with the bytes that are to be read for it.
-  CutNode withReading(CutNode node) {
-    if (limit_ != nullptr && !isInMemory(node)) node.bytes.read = node.bytes.held;
-    return node;
+  // Sets the bytes that are to be read for the node.
+  void countReading(const CutNode& node) {
+    for (size_t i = 0; i < volumes_.size(); ++i)
+      if (volumes_[i].question.limit != nullptr && !isInMemory(i, node)) {
+        CutPart& part = partsOf(node)[i];  // isInMemory() may have moved the parts
+        part.bytes.read = part.bytes.held;
+      }
   }
 
-  // Whether the block is in memory, or all the finer blocks that the pixel error asks for there.
-  bool isInMemory(const CutNode& node) {
-    const auto [known, is_new] = in_memory_.try_emplace(node.object.name, false);
+  // Whether a volume's part is in memory, or those of all the finer blocks that the pixel error
+  // asks for there.
+  bool isInMemory(size_t number, const CutNode& node) {
+    const CutPart part = partsOf(node)[number];
+    if (part.isEmpty()) return true;
+    const BlockName& name = part.object->name;
+    const auto [known, is_new] = volumes_[number].in_memory.try_emplace(name, false);
     if (!is_new) return known->second;
-    bool is_there = node.object.cells.empty() || limit_->is_in_memory(node.object.name);
+    bool is_there = volumes_[number].question.limit->is_in_memory(name);
     if (!is_there && node.level > 0 && isTooCoarse(node))
-      is_there = std::ranges::all_of(childrenOf(node),
-                                     [this](const CutNode& child) { return isInMemory(child); });
-    in_memory_[node.object.name] = is_there;
+      is_there = std::ranges::all_of(
+          childrenOf(node), [&](const CutNode& child) { return isInMemory(number, child); });
+    volumes_[number].in_memory[name] = is_there;
     return is_there;
   }
 
-  bool wasRefined(const BlockName& name) const {
-    return limit_ != nullptr && limit_->last != nullptr &&
-           std::ranges::binary_search(limit_->last->refined, name);
+  bool wasRefined(const CutNode& node) {
+    for (size_t i = 0; i < volumes_.size(); ++i) {
+      const ReadLimit* limit = volumes_[i].question.limit;
+      const CutPart& part = partsOf(node)[i];
+      if (limit != nullptr && limit->keeps_refined && limit->last != nullptr && part.object &&
+          std::ranges::binary_search(limit->last->refined, part.object->name))
+        return true;
+    }
+    return false;
   }
 
   // Opens the blocks of a level of which there is an object.
   void addAll(int level, const auto& object_of) {
     const BlockLayout& blocks = pyramid_.level(level).blocks;
     for (int64_t block = 0; block < blocks.blockCount(); ++block) {
-      const Vec3i index = blocks.indexOf(block);
-      const std::optional<ObjectBlock> object = object_of(index);
-      if (!object) {
-        ++left_out_;
-        continue;
+      const auto counted = [&](Volume& of, Vec3i index) {
+        std::optional<ObjectBlock> object = object_of(of, index);
+        if (!object) ++of.left_out;
+        return object;
+      };
+      if (const auto node = nodeOf(level, blocks.indexOf(block), counted)) {
+        countReading(*node);
+        open_.push_back(*node);
+        add(*node);
       }
-      open_.push_back(withReading(nodeOf(level, index, *object)));
-      bytes_.add(open_.back().bytes);
     }
   }
 
-  bool fits() const {
-    return bytes_.stored <= options_.most_stored_bytes && bytes_.held <= options_.most_held_bytes;
+  void add(const CutNode& node) {
+    for (size_t i = 0; i < volumes_.size(); ++i) volumes_[i].bytes.add(partsOf(node)[i].bytes);
+  }
+  void remove(const CutNode& node) {
+    for (size_t i = 0; i < volumes_.size(); ++i) volumes_[i].bytes.remove(partsOf(node)[i].bytes);
   }
 
-  // Whether these blocks, which are chosen now, come in time.
+  bool fits() const {
+    return std::ranges::all_of(volumes_, [](const Volume& of) {
+      return of.bytes.stored <= of.options.most_stored_bytes &&
+             of.bytes.held <= of.options.most_held_bytes;
+    });
+  }
+
+  // Whether these blocks, which are chosen now, come in time. The volumes share it.
   bool comeInTime(const std::vector<CutNode>& nodes) {
-    if (limit_ == nullptr) return true;
     uint64_t read = 0;
-    for (const CutNode& node : nodes) read += node.bytes.read;
+    for (const CutNode& node : nodes)
+      for (const CutPart& part : partsOf(node)) read += part.bytes.read;
     if (read == 0) return true;
-    const bool reads_one = limit_->refines_some && !reads_any_;
-    if (bytes_.read > limit_->most_bytes && !reads_one) return false;
+    double of_limit = 0;
+    bool refines_some = false;
+    for (const Volume& of : volumes_) {
+      const ReadLimit* limit = of.question.limit;
+      if (limit == nullptr || of.bytes.read == 0) continue;
+      of_limit += static_cast<double>(of.bytes.read) / static_cast<double>(limit->most_bytes);
+      refines_some = refines_some || limit->refines_some;
+    }
+    if (of_limit > 1 && !(refines_some && !reads_any_)) return false;
     reads_any_ = true;
     return true;
   }
 
   std::vector<CutNode> childrenOf(const CutNode& node) {
     std::vector<CutNode> nodes;
+    const int level = node.level - 1;
+    const auto part = [level](Volume& of, Vec3i index) {
+      return of.shown.partOf(level, index, of.question.step.time);
+    };
     const Box3 children = pyramid_.childrenOf(node.level, node.index);
     for (int64_t z = children.lo.z; z < children.hi.z; ++z)
       for (int64_t y = children.lo.y; y < children.hi.y; ++y)
         for (int64_t x = children.lo.x; x < children.hi.x; ++x)
-          if (const auto part = shown_.partOf(node.level - 1, {x, y, z}, question_.step.time))
-            nodes.push_back(nodeOf(node.level - 1, {x, y, z}, *part));
+          if (const auto child = nodeOf(level, {x, y, z}, part)) nodes.push_back(*child);
     return nodes;
   }
 
   double pixelsOf(const CutNode& node) const {
     return sizes_.of(pyramid_.level(node.level), pyramid_.regionOf(node.level, node.index));
   }
-  // Whether a coarse block in the picture may show next to nothing of what is there. Extremes do
-  // not, as long as a ray meets them.
-  bool isThin(const CutNode& node) const {
+  // Whether a coarse block in the picture may show next to nothing of what a volume has there.
+  // Extremes do not, as long as a ray meets them.
+  bool isThin(Volume& of, const CutNode& node) const {
     return node.level > 0 && !holds_extremes_ && pixelsOf(node) > 0 &&
-           shown_.hasThinParts(node.level, node.index);
+           of.shown.hasThinParts(node.level, node.index);
   }
-  bool isTooCoarse(const CutNode& node) const {
-    const bool is_kept = limit_ != nullptr && limit_->keeps_refined && wasRefined(node.object.name);
-    return pixelsOf(node) > options_.pixel_error * (is_kept ? kKeepsRefined : 1) ||
-           (options_.keeps_thin && isThin(node));
+  bool hasThin(const CutNode& node) {
+    for (size_t i = 0; i < volumes_.size(); ++i)
+      if (partsOf(node)[i].object && isThin(volumes_[i], node)) return true;
+    return false;
+  }
+  bool isTooCoarse(const CutNode& node) {
+    return pixelsOf(node) > options_.pixel_error * (wasRefined(node) ? kKeepsRefined : 1) ||
+           (options_.keeps_thin && hasThin(node));
   }
 
   // Replaces the open nodes, all of one level, by nodes of the next finer level if they are too
@@ -215,40 +292,34 @@ class CutMaker {
     for (const auto& [depth, i] : wide) {
       const CutNode& node = open_[i];
       if (!is_stopped_) {
-        std::vector<CutNode> children = childrenOf(node);
-        for (CutNode& child : children) child = withReading(child);
-        const BlockBytes before = bytes_;
-        bytes_.remove(node.bytes);
-        for (const CutNode& child : children) bytes_.add(child.bytes);
+        const std::vector<CutNode> children = childrenOf(node);
+        for (const CutNode& child : children) countReading(child);
+        remove(node);
+        for (const CutNode& child : children) add(child);
         if (!fits()) {
           is_stopped_ = true;
         } else if (!comeInTime(children)) {
           awaits_data_ = true;
         } else {
           finer.insert(finer.end(), children.begin(), children.end());
-          refined_.push_back(node.object.name);
+          refined_.push_back(node);
           continue;
         }
-        bytes_ = before;
+        for (const CutNode& child : children) remove(child);
+        add(node);
       }
       chosen_.push_back(node);
     }
     open_ = std::move(finer);
   }
 
-  const BlockQuestion& question_;
-  const CutOptions& options_;
-  ShownLevels& shown_;
+  const CutOptions& options_;  // the volumes' but for the limits of bytes
   const PyramidLayout& pyramid_;
-  const ReadLimit* const limit_;  // null: none
   const PixelSizes sizes_;
-  const uint64_t held_bytes_;  // of a number
-  const bool holds_extremes_;  // the coarser levels do
-  std::vector<CutNode> open_, chosen_;
-  BlockBytes bytes_;  // bytes of open_ and chosen_
-  int64_t left_out_ = 0;
-  std::vector<BlockName> refined_;
-  std::unordered_map<BlockName, bool, BlockNameHash> in_memory_;  // see isInMemory()
+  bool holds_extremes_ = false;  // the coarser levels do
+  std::vector<Volume> volumes_;
+  std::vector<CutPart> parts_;
+  std::vector<CutNode> open_, chosen_, refined_;
   bool is_stopped_ = false;
   bool awaits_data_ = false;  // a part stays coarse for want of time
   bool reads_any_ = false;    // a part was refined by blocks that are to be read
@@ -273,28 +344,47 @@ TimeStep LevelCut::listed(const TimeStep& step) {
   return with_listing;
 }
 
-VisibleBlocksPtr LevelCut::choose(const BlockQuestion& question) {
+std::shared_ptr<ShownLevels> LevelCut::shownOf(const BlockQuestion& question) {
   SLUICE_CHECK(question.cut.has_value());
   requireLevel(*question.cut, question.step);
   const TimeStep step = listed(question.step);
-  const std::shared_ptr<ShownLevels> shown = shown_.of({step, question.look, question.crop}, [&] {
+  return shown_.of({step, question.look, question.crop}, [&] {
     std::shared_ptr<const RangeTree> tree;
     if (step.ranges->is_listed)
       tree = tree_.of(step, [&] { return RangeTree(*step.ranges, step.layout(), pool_); });
     return std::make_shared<ShownLevels>(step, question.look, question.crop, std::move(tree),
                                          pool_);
   });
-  CutMaker maker(question, *shown);
-  if (question.cut->level)
-    maker.makeLevel(*question.cut->level);
+}
+
+VisibleBlocksPtr LevelCut::answer(const std::shared_ptr<const ShownLevels>& shown,
+                                  VisibleBlocks blocks) {
+  // The same plan serves all views that make the same cut.
+  if (answer_ != nullptr && of_answer_ == shown && isSame(*answer_, blocks)) return answer_;
+  of_answer_ = shown;
+  answer_ = std::make_shared<const VisibleBlocks>(std::move(blocks));
+  return answer_;
+}
+
+std::vector<VisibleBlocksPtr> LevelCut::chooseTogether(std::span<LevelCut* const> cuts,
+                                                       std::span<const BlockQuestion> questions) {
+  SLUICE_CHECK_EQ(cuts.size(), questions.size());
+  std::vector<std::shared_ptr<ShownLevels>> shown;
+  for (size_t i = 0; i < cuts.size(); ++i) shown.push_back(cuts[i]->shownOf(questions[i]));
+  CutMaker maker(questions, shown);
+  if (const std::optional<int> level = questions.front().cut->level)
+    maker.makeLevel(*level);
   else
     maker.make();
-  auto made = std::make_shared<VisibleBlocks>(maker.result());
-  // The same plan serves all views that make the same cut.
-  if (answer_ != nullptr && of_answer_ == shown && isSame(*answer_, *made)) return answer_;
-  of_answer_ = shown;
-  answer_ = std::move(made);
-  return answer_;
+  std::vector<VisibleBlocksPtr> answers;
+  for (size_t i = 0; i < cuts.size(); ++i)
+    answers.push_back(cuts[i]->answer(shown[i], maker.result(i)));
+  return answers;
+}
+
+VisibleBlocksPtr LevelCut::choose(const BlockQuestion& question) {
+  LevelCut* const self = this;
+  return chooseTogether({&self, 1}, {&question, 1}).front();
 }
 
 }  // namespace sluice

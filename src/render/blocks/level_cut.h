@@ -7,9 +7,15 @@
 // allows. Parts outside the picture stay coarse. A part without anything visible at the finest
 // level is left out, as with one level. A level whose voxels have a spread beside their mean shows
 // what the finest level shows; another level shows what its own ranges allow.
+//
+// Volumes on one grid that are drawn as one medium are of one cut, so that their blocks are the
+// same parts of the volume: a part is refined where any of them shows something there, and only if
+// all of them have the room.
 #pragma once
 
 #include <memory>
+#include <span>
+#include <vector>
 
 #include "src/base/threads/worker_pool.h"
 #include "src/render/blocks/visible_blocks.h"
@@ -26,6 +32,10 @@ class LevelCut : public BlockChooser {
   explicit LevelCut(WorkerPool& pool) : pool_(pool) {}
   // Requires: the step has several levels and the question has a cut.
   VisibleBlocksPtr choose(const BlockQuestion& question) override;
+  // The answers to a question each, of one cut. Requires: the steps' levels are alike (areAlike()),
+  // and so are the questions' views and cuts but for the limits of bytes.
+  static std::vector<VisibleBlocksPtr> chooseTogether(std::span<LevelCut* const> cuts,
+                                                      std::span<const BlockQuestion> questions);
 
  private:
   struct ShownKey {
@@ -34,6 +44,11 @@ class LevelCut : public BlockChooser {
     Box3 crop;
     friend bool operator==(const ShownKey&, const ShownKey&) = default;
   };
+
+  // The step's levels under the question's look.
+  std::shared_ptr<ShownLevels> shownOf(const BlockQuestion& question);
+  // These blocks, or the last answer if that is the same.
+  VisibleBlocksPtr answer(const std::shared_ptr<const ShownLevels>& shown, VisibleBlocks blocks);
 
   WorkerPool& pool_;
   // The step with its finest level listed, if a level follows that one.
