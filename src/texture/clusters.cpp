@@ -7,6 +7,8 @@
 #include <unordered_map>
 #include <utility>
 
+#include "src/base/error.h"
+
 namespace sluice {
 namespace {
 
@@ -115,6 +117,29 @@ void groupIntoClusters(TexturePlan& plan, int64_t capacity_blocks) {
   std::vector<BlockPosition> all;
   for (const BlockPosition block : plan.blocks.indices()) all.push_back(block);
   OctreeClusters(plan, capacity_blocks).add(0, {0, 0, 0}, std::move(all));
+}
+
+void groupAs(const TexturePlan& other, TexturePlan& plan) {
+  plan.block_grids = other.block_grids;
+  plan.cluster_grids = other.cluster_grids;
+  plan.cluster_blocks = other.cluster_blocks;
+  std::map<std::pair<int32_t, int64_t>, ClusterPosition> cluster_of;  // by level and block
+  for (const TextureBlock& block : other.blocks)
+    cluster_of.emplace(std::pair(block.name.level, block.name.block), block.cluster);
+  std::map<ClusterPosition, ClusterPosition> own;  // by the other plan's
+  for (const BlockPosition i : plan.blocks.indices()) {
+    const BlockName& name = plan.blocks[i].name;
+    const auto found = cluster_of.find({name.level, name.block});
+    SLUICE_CHECK(found != cluster_of.end());
+    const auto [at, fresh] = own.emplace(found->second, plan.clusters.endIndex());
+    if (fresh) {
+      const Cluster& cluster = other.clusters[found->second];
+      plan.clusters.push_back(
+          {.grid = cluster.grid, .index = cluster.index, .blocks = {}, .chunks = {}});
+    }
+    plan.blocks[i].cluster = at->second;
+    plan.clusters[at->second].blocks.push_back(i);
+  }
 }
 
 }  // namespace sluice

@@ -14,6 +14,9 @@ namespace sluice {
 // plan.blocks are there; capacity_blocks >= 1.
 void groupIntoClusters(TexturePlan& plan, int64_t capacity_blocks);
 
+// The same with the clusters of another plan, see PlanOptions::clusters; those that have blocks.
+void groupAs(const TexturePlan& other, TexturePlan& plan);
+
 // The size in blocks of the clusters that blocks of one level are grouped into, u x v x 1.
 Vec3i clusterBlocks(Vec3i grid, int64_t capacity_blocks);
 

@@ -315,7 +315,10 @@ TexturePlan planTextures(const PyramidLayout& pyramid, const VisibleBlocks& visi
   plan.pyramid = pyramid;
   plan.page = page;
   addBlocks(plan, visible, options);
-  groupIntoClusters(plan, capacity_blocks);
+  if (options.clusters != nullptr)
+    groupAs(*options.clusters, plan);
+  else
+    groupIntoClusters(plan, capacity_blocks);
   if (options.algorithm == Algorithm::kMerged) {
     mergeChunks(plan, options.merge_order);
   } else {

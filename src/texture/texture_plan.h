@@ -10,6 +10,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string_view>
@@ -101,12 +102,17 @@ struct TexturePlan {
   // Bytes of all chunks in whole pages.
   uint64_t bytes() const;
 };
+using TexturePlanPtr = std::shared_ptr<const TexturePlan>;
 
 struct PlanOptions {
   Algorithm algorithm = Algorithm::kMerged;
   MergeOrder merge_order = MergeOrder::kPaper;  // for kMerged
   int64_t time = 0;  // time step of blocks that are loaded although nothing of them is visible
   Box3 crop;         // cells that may show
+  // The clusters are those of this plan of the same blocks and perhaps more, of a volume with
+  // levels that are alike (areAlike()), and no cluster of it has more blocks than the texture cache
+  // holds; null: they follow from the blocks.
+  const TexturePlan* clusters = nullptr;
 };
 
 // Whether an algorithm loads blocks whole, and not trimmed.
