@@ -2,13 +2,12 @@
 // loops over the pixels and the slices, on each device.
 #include <gtest/gtest.h>
 
-#include <array>
-#include <cmath>
 #include <memory>
 #include <vector>
 
 #include "src/render/session/blended_frame.h"
 #include "tests/device/suite_device.h"
+#include "tests/render/blended_plainly.h"
 #include "tests/render/render_scene.h"
 #include "tests/support/reference_values.h"
 
@@ -49,49 +48,12 @@ std::vector<Channel> threeChannels() {
 }
 
 FloatPicture blendedPlainly(const std::vector<Channel>& channels, const View& view) {
-  std::vector<std::unique_ptr<ReferenceValues>> values;
-  values.reserve(channels.size());
-  for (const Channel& channel : channels)
-    values.push_back(std::make_unique<ReferenceValues>(*channel.source, 0));
-  FloatPicture picture;
-  picture.width = view.size.width;
-  picture.height = view.size.height;
-  const double aspect = static_cast<double>(view.size.width) / view.size.height;
-  const bool ortho = view.projection == Projection::kOrtho;
-  for (int j = 0; j < view.size.height; ++j)
-    for (int i = 0; i < view.size.width; ++i) {
-      const double u = 2 * (i + 0.5) / view.size.width - 1;
-      const double v = 1 - 2 * (j + 0.5) / view.size.height;
-      const Vec3d aside =
-          view.right * (u * aspect * view.half_height) + view.up * (v * view.half_height);
-      const Vec3d start = ortho ? view.eye + aside : view.eye;
-      const Vec3d direction = ortho ? view.forward : view.forward + aside;
-      Vec3d rgb;
-      double opacity = 0;
-      for (int k = 0; k < 400; ++k) {
-        const Vec3d p = start + direction * (view.first_depth + (k + 0.5) * view.step);
-        bool inside = true;
-        for (int a = 0; a < 3; ++a)
-          inside = inside && p[a] >= 0 && p[a] < static_cast<double>(kDims[a] - 1);
-        if (!inside) continue;
-        Vec3d light;
-        double clear = 1, total = 0;
-        for (size_t c = 0; c < channels.size(); ++c) {
-          const double value = values[c]->at(p);
-          const double a = 1 - std::pow(1 - opacityAt(channels[c].transfer, value),
-                                        view.step * length(direction));
-          light = light + colorAt(channels[c].transfer, value) * a;
-          total += a;
-          clear *= 1 - a;
-        }
-        if (!(total > 0)) continue;
-        rgb = rgb + light * ((1 - opacity) * (1 - clear) / total);
-        opacity += (1 - opacity) * (1 - clear);
-      }
-      for (const double each : {rgb.x, rgb.y, rgb.z, opacity})
-        picture.rgba.push_back(static_cast<float>(each));
-    }
-  return picture;
+  std::vector<PlainChannel> plain;
+  for (const Channel& channel : channels) {
+    const auto values = std::make_shared<const ReferenceValues>(*channel.source, 0);
+    plain.push_back({[values](Vec3d p) { return values->at(p); }, channel.transfer});
+  }
+  return blendedPlainly(plain, kDims, view);
 }
 
 // The picture that the sessions draw, with the reports of all channels.
@@ -106,9 +68,9 @@ FloatPicture blended(const std::vector<Channel>& channels, const SceneOptions& s
     sessions.push_back(&scenes.back()->session());
     sessions.back()->setOptions(options);
   }
-  const Picture drawn = blendedFrame(sessions, *device, reports).picture;
+  const Picture drawn = blendedFrame(Session::parts(sessions), *device, reports).picture;
   // Again, from warm levels.
-  const Picture again = blendedFrame(sessions, *device, reports).picture;
+  const Picture again = blendedFrame(Session::parts(sessions), *device, reports).picture;
   EXPECT_EQ(drawn.rgba, again.rgba);
   FloatPicture picture;
   picture.width = drawn.width;
@@ -161,12 +123,12 @@ TEST(Blended, stopsAtOnceAndDrawsTheNextFrame) {
     sessions.back()->setOptions(options);
   }
   std::vector<FrameReport> reports;
-  EXPECT_THROW(blendedFrame(sessions, *device, reports), std::runtime_error);
+  EXPECT_THROW(blendedFrame(Session::parts(sessions), *device, reports), std::runtime_error);
   for (Session* session : sessions) {
     options.watch = {};
     session->setOptions(options);
   }
-  const Frame frame = blendedFrame(sessions, *device, reports);
+  const Frame frame = blendedFrame(Session::parts(sessions), *device, reports);
   FloatPicture picture;
   picture.width = frame.picture.width;
   picture.height = frame.picture.height;

@@ -61,7 +61,7 @@ Picture blendedPicture(const std::vector<std::unique_ptr<Session>>& channels, De
   sessions.reserve(channels.size());
   for (const auto& channel : channels) sessions.push_back(channel.get());
   std::vector<FrameReport> reports;
-  return blendedFrame(sessions, device, reports).picture;
+  return blendedFrame(Session::parts(sessions), device, reports).picture;
 }
 
 // The channels of the scene in its order.
@@ -172,7 +172,8 @@ Verification verify(Scene& scene, const VerifiedView& view, FrameOptions options
     if (colorsByDepth(options)) result.unchecked.emplace_back("the depths of all time steps");
   }
   // Slices of the finest level lie closer than those of a picture from coarser ones.
-  if (is_cut && !view.has_step) options.step_vox = finestStep(volumes, options);
+  if (is_cut && !view.has_step)
+    options.step_vox = std::min(options.step_vox, finestStep(volumes, options));
   EveryBlock every_block(scene.pool);
   const bool all = volumes.front().layout.blockCount() <= kMostBlocks;
   if (!all) result.unchecked.emplace_back("which blocks are empty, since there are too many");

@@ -148,12 +148,18 @@ void shareOut(const PlanArguments& arguments, PlannedChannel& channel,
           .pages;
 }
 
-// Requires: shareOut().
+PlannedPart partOf(const PlanArguments& arguments, const PlannedChannel& channel) {
+  return {channel.volume, channel.volume.step(), channel.transfer, arguments.frame,
+          channel.volume.page};
+}
+
+// Requires: shareOut(), and the blocks are chosen if the channels are blended.
 void planChannel(const PlanArguments& arguments, PlannedChannel& channel, PlannedCulling* culling,
                  TexelPlace texels, WorkerPool& pool) {
   const IndexedVolume& volume = channel.volume;
-  channel.shown = plannedBlocks(volume, volume.step(), channel.transfer, arguments.frame,
-                                volume.page, culling != nullptr ? &culling->blocks : nullptr, pool);
+  if (channel.shown.blocks == nullptr)
+    channel.shown = plannedBlocks(partOf(arguments, channel),
+                                  culling != nullptr ? &culling->blocks : nullptr, pool);
   channel.costs = algorithmCosts(volume, channel.shown, arguments.frame, volume.page, pool);
   if (arguments.frame.partition == Partition::kBoxes)
     channel.boxes = planBoxes({arguments.frame, arguments.resources, arguments.volume.time}, volume,
@@ -163,9 +169,19 @@ void planChannel(const PlanArguments& arguments, PlannedChannel& channel, Planne
                                  arguments.frame, arguments.resources, texels});
 }
 
+bool blends(const PlanArguments& arguments, const std::vector<PlannedChannel>& channels) {
+  return arguments.look.combine == Combine::kBlend && channels.size() > 1;
+}
+
+bool haveOneCut(const FrameOptions& frame, const std::vector<PlannedChannel>& channels) {
+  std::vector<LayerLook> layers;
+  for (const PlannedChannel& channel : channels)
+    layers.push_back({&channel.volume, &channel.transfer});
+  return haveOneCut(frame, layers);
+}
+
 // Blended channels have clusters of the same blocks, see blended_frame.h.
-void evenOutBlended(const LookArguments& look, std::vector<PlannedChannel>& channels) {
-  if (look.combine == Combine::kAdd || channels.size() < 2) return;
+void evenOut(std::vector<PlannedChannel>& channels) {
   std::vector<std::pair<const IndexedVolume*, PageGeometry*>> pages;
   pages.reserve(channels.size());
   for (PlannedChannel& channel : channels)
@@ -236,7 +252,9 @@ int run(const PlanArguments& asked, const CLI::App& app) {
          notOne(channels.size(), channels.back().volume.channel));
   const std::unique_ptr<PlannedCulling> culling =
       plannedCulling(arguments, first.volume, first.transfer, pool);
-  const PlanArguments share = shareOf(arguments, channels.size());
+  PlanArguments share = shareOf(arguments, channels.size());
+  const bool is_blended = blends(arguments, channels);
+  if (is_blended && !haveOneCut(arguments.frame, channels)) share.frame.cut.reset();
   // A device that draws decides how much memory is the least that works.
   const TexelPlace texels = texelPlaceOf(arguments.resources.device, pool);
   const auto argumentsOf = [&](const PlannedChannel& channel) {
@@ -247,7 +265,7 @@ int run(const PlanArguments& asked, const CLI::App& app) {
   };
   for (PlannedChannel& channel : channels)
     shareOut(argumentsOf(channel), channel, culling.get(), pool);
-  evenOutBlended(arguments.look, channels);
+  if (is_blended) evenOut(channels);
   // Before a block is listed.
   try {
     for (const PlannedChannel& channel : channels)
@@ -255,6 +273,13 @@ int run(const PlanArguments& asked, const CLI::App& app) {
                         share.resources, texels);
   } catch (const Error& error) {
     failOfShare(error, channels.size());
+  }
+  if (is_blended) {
+    std::vector<PlannedPart> parts;
+    for (const PlannedChannel& channel : channels)
+      parts.push_back(partOf(argumentsOf(channel), channel));
+    std::vector<PlannedBlocks> shown = plannedTogether(parts, pool);
+    for (size_t i = 0; i < shown.size(); ++i) channels[i].shown = std::move(shown[i]);
   }
   for (PlannedChannel& channel : channels)
     planChannel(argumentsOf(channel), channel, culling.get(), texels, pool);

@@ -53,26 +53,38 @@ std::vector<IndexedVolume> openIndexedChannels(const VolumeArguments& arguments,
                                                const FrameOptions& frame, FinestLevel finest,
                                                WorkerPool& pool, const Outputs& outputs) {
   outputs.checkNames();
-  std::vector<ChannelSource> opened = openChannels(arguments);
-  for (const ChannelSource& channel : opened) outputs.check(channel.source->files());
-  // Several channels have no row of pictures that begins with a sample.
-  if (opened.size() > 1) finest = std::min(finest, FinestLevel::kMayWait);
   std::vector<std::string> said;
-  const bool blends = look.combine == Combine::kBlend && opened.size() > 1;
-  std::vector<IndexNeeds> needs;
-  for (const ChannelSource& channel : opened) {
-    FrameOptions own = frame;
-    if (own.cut && channel.channel.is_over) own.cut->level.reset();
-    if (blends) own.cut.reset();
-    needs.push_back(pictureNeeds(lookOfChannel(look, channel.channel), own, finest));
-  }
-  // Blended channels are read in the same blocks.
-  if (blends && std::ranges::any_of(needs, &IndexNeeds::gradients))
-    for (IndexNeeds& each : needs) each.gradients = true;
-  std::vector<IndexedVolume> volumes;
-  for (size_t i = 0; i < opened.size(); ++i)
-    volumes.push_back(indexed(std::move(opened[i]), resources, needs[i], pool, said));
-  return volumes;
+  bool blends = false;
+  const auto openFor = [&](const FrameOptions& pictures) {
+    std::vector<ChannelSource> opened = openChannels(arguments);
+    for (const ChannelSource& channel : opened) outputs.check(channel.source->files());
+    // Several channels have no row of pictures that begins with a sample.
+    if (opened.size() > 1) finest = std::min(finest, FinestLevel::kMayWait);
+    blends = look.combine == Combine::kBlend && opened.size() > 1;
+    std::vector<IndexNeeds> needs;
+    for (const ChannelSource& channel : opened) {
+      FrameOptions own = pictures;
+      if (own.cut && channel.channel.is_over) own.cut->level.reset();
+      needs.push_back(pictureNeeds(lookOfChannel(look, channel.channel), own, finest));
+    }
+    // Blended channels are read in the same blocks.
+    if (blends && std::ranges::any_of(needs, &IndexNeeds::gradients))
+      for (IndexNeeds& each : needs) each.gradients = true;
+    std::vector<IndexedVolume> volumes;
+    for (size_t i = 0; i < opened.size(); ++i)
+      volumes.push_back(indexed(std::move(opened[i]), resources, needs[i], pool, said));
+    return volumes;
+  };
+  std::vector<IndexedVolume> volumes = openFor(frame);
+  const auto isAsFirst = [&](const IndexedVolume& volume) {
+    return haveOneLayout(volume, volumes.front());
+  };
+  if (!blends || !frame.cut || std::ranges::all_of(volumes, isAsFirst)) return volumes;
+  // If only some have levels of resolution, the finest level of all is blended.
+  FrameOptions finest_alone = frame;
+  finest_alone.cut.reset();
+  volumes.clear();
+  return openFor(finest_alone);
 }
 
 std::vector<FittedVolume> fittedVolumes(const Scene& scene) {

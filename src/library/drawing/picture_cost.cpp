@@ -13,6 +13,7 @@
 #include "src/library/drawing/resources.h"
 #include "src/render/camera/frame_setup.h"
 #include "src/render/session/budgets.h"
+#include "src/render/session/union_plan.h"
 
 namespace sluice {
 namespace {
@@ -43,6 +44,16 @@ void addSharedBlocks(const TexturePlan& textures, VoxelType type, AlgorithmCost&
       }
 }
 
+// The part without its blocks.
+PlannedBlocks withLook(const PlannedPart& part, Planner& planner) {
+  const FrameOptions& frame = part.frame;
+  PlannedBlocks planned{.step = part.step, .look = {}, .blocks = {}, .view = {}};
+  planned.view = resolve(frame.camera, part.volume.source->layout(), frame.size, frame.step_vox);
+  planned.look =
+      planner.look(part.step, std::make_shared<const TransferFunction>(part.transfer), frame.mode);
+  return planned;
+}
+
 AlgorithmCost costOf(const IndexedVolume& volume, const PlannedBlocks& planned, FrameOptions frame,
                      const PageGeometry& page, Algorithm algorithm, WorkerPool& pool) {
   AlgorithmCost cost;
@@ -56,7 +67,7 @@ AlgorithmCost costOf(const IndexedVolume& volume, const PlannedBlocks& planned, 
   ChunkNames names;
   Planner planner(page, pool, names);
   frame.algorithm = algorithm;
-  const FramePlanPtr plan = planner.plan(planned.step, planned.blocks, frame);
+  const FramePlanPtr plan = planner.plan(planned.step, planned.blocks, frame, planned.clusters);
   cost.seconds = watch.lap();
   const VolumeLayout& layout = volume.source->layout();
   static_cast<PlanTotals&>(cost) = totalsOf(plan->textures, eyePosition(planned.view, layout));
@@ -149,18 +160,41 @@ std::optional<StoredReads> storedReadsOfLevel(VolumeSource& source, int64_t time
   return storedReads(source, time, boxes, UINT64_MAX);
 }
 
-PlannedBlocks plannedBlocks(const IndexedVolume& volume, const TimeStep& step,
-                            const TransferFunction& transfer, const FrameOptions& frame,
-                            const PageGeometry& page, BlockChooser* chooser, WorkerPool& pool) {
+PlannedBlocks plannedBlocks(const PlannedPart& part, BlockChooser* chooser, WorkerPool& pool) {
   ChunkNames names;
-  Planner planner(page, pool, names);
+  Planner planner(part.page, pool, names);
   planner.chooseBlocksBy(chooser);
-  PlannedBlocks planned{.step = step, .look = {}, .blocks = {}, .view = {}};
-  planned.view = resolve(frame.camera, volume.source->layout(), frame.size, frame.step_vox);
   Stopwatch watch;
-  planned.look = planner.look(step, std::make_shared<const TransferFunction>(transfer), frame.mode);
-  planned.blocks = planner.visibleBlocks(step, planned.look, planned.view, frame);
+  PlannedBlocks planned = withLook(part, planner);
+  planned.blocks = planner.visibleBlocks(planned.step, planned.look, planned.view, part.frame);
   planned.seconds = watch.lap();
+  return planned;
+}
+
+std::vector<PlannedBlocks> plannedTogether(std::span<const PlannedPart> parts, WorkerPool& pool) {
+  Stopwatch watch;
+  ChunkNames names;  // no chunk gets one
+  std::vector<std::unique_ptr<Planner>> planners;
+  std::vector<Planner*> asked;
+  std::vector<BlockQuestion> questions;
+  std::vector<PlannedBlocks> planned;
+  for (const PlannedPart& part : parts) {
+    asked.push_back(planners.emplace_back(std::make_unique<Planner>(part.page, pool, names)).get());
+    planned.push_back(withLook(part, *asked.back()));
+    questions.push_back(
+        Planner::question(part.step, planned.back().look, planned.back().view, part.frame));
+  }
+  const std::vector<VisibleBlocksPtr> visible = Planner::visibleTogether(asked, questions);
+  std::vector<ChannelBlocks> blocks;
+  for (size_t i = 0; i < parts.size(); ++i) {
+    planned[i].blocks = visible[i];
+    blocks.push_back({parts[i].step.layout(), visible[i], parts[i].page});
+  }
+  planned.front().seconds = watch.lap();
+  const PlannedPart& first = parts.front();
+  const auto clusters = std::make_shared<const TexturePlan>(
+      unionPlan(blocks, planOptions(planned.front(), first.frame, Algorithm::kTrimmed)));
+  for (PlannedBlocks& each : planned) each.clusters = clusters;
   return planned;
 }
 

@@ -6,6 +6,8 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
+#include <vector>
 
 #include "src/base/values/stored_reads.h"
 #include "src/device/device.h"
@@ -26,13 +28,22 @@ struct PlannedBlocks {
   LookPtr look;
   VisibleBlocksPtr blocks;
   View view;
-  double seconds = 0;  // classification
+  double seconds = 0;            // classification
+  TexturePlanPtr clusters = {};  // PlanOptions::clusters, of channels that are blended
 };
 
+// A volume's part of a picture.
+struct PlannedPart {
+  const IndexedVolume& volume;
+  TimeStep step;
+  const TransferFunction& transfer;
+  FrameOptions frame;
+  PageGeometry page;
+};
 // `chooser`: see Planner::chooseBlocksBy().
-PlannedBlocks plannedBlocks(const IndexedVolume& volume, const TimeStep& step,
-                            const TransferFunction& transfer, const FrameOptions& frame,
-                            const PageGeometry& page, BlockChooser* chooser, WorkerPool& pool);
+PlannedBlocks plannedBlocks(const PlannedPart& part, BlockChooser* chooser, WorkerPool& pool);
+// The same of channels that are blended, see Session::parts().
+std::vector<PlannedBlocks> plannedTogether(std::span<const PlannedPart> parts, WorkerPool& pool);
 
 struct AlgorithmCost : PlanTotals {
   // Blocks of chunks that two clusters need, and their decoded bytes: a frame reads them again for

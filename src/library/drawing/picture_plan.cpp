@@ -23,7 +23,7 @@ PicturePlan planOf(const Scene& scene, const TimeStep& step, const FrameOptions&
   const IndexedVolume& volume = scene.volume;
   const TransferFunction& transfer = scene.look.transfer;
   const PlannedBlocks planned =
-      plannedBlocks(volume, step, transfer, options, scene.page, nullptr, scene.pool);
+      plannedBlocks({volume, step, transfer, options, scene.page}, nullptr, scene.pool);
   const AlgorithmCosts costs = algorithmCosts(volume, planned, options, scene.page, scene.pool);
   const AlgorithmCost& chosen = costs[static_cast<size_t>(options.algorithm)];
   const Forecast forecast = forecastOf({volume, planned, scene.page, chosen,

@@ -170,6 +170,8 @@ struct Scene : Layer {
   std::vector<Layer*> layers();
   // Whether its layers are blended.
   bool blends() const { return asked.combine == Combine::kBlend && !more.empty(); }
+  // Whether its layers are blended from one cut through their levels of resolution.
+  bool blendsLevels(const FrameOptions& options) const;
   // "not 3; give one --channel", for messages about several layers.
   std::string notOneChannel() const;
   // The options of a layer's frames, of those that setOptions() got.
@@ -197,6 +199,8 @@ struct Scene : Layer {
   Frame drawLayers(std::vector<LayerFrame>& parts);
   // The layers' next frame, blended.
   Frame drawBlended(std::vector<LayerFrame>& parts);
+  // The same if one layer has blocks.
+  Frame drawOnly(const Session::Parts& made, std::vector<LayerFrame>& parts);
 };
 
 // Throws an Error about a lack of memory again, and tells if so many channels share the memory.
@@ -210,6 +214,16 @@ uint64_t othersBytes(const IndexedVolume& volume, const TransferFunction& transf
 // Throws Error if a look blends the volumes and such frames of them cannot be blended.
 void requireBlendable(const LookArguments& look, const FrameOptions& options,
                       const std::vector<const IndexedVolume*>& volumes);
+// A volume with its look.
+struct LayerLook {
+  const IndexedVolume* volume;
+  const TransferFunction* transfer;
+};
+// Whether the volumes' finest levels are cut into blocks alike.
+bool haveOneLayout(const IndexedVolume& a, const IndexedVolume& b);
+// Whether the pictures of all volumes can be of one cut: each is drawn from one, through levels
+// that are alike. Throws Error as drawsCut() does.
+bool haveOneCut(const FrameOptions& options, const std::vector<LayerLook>& layers);
 // Gives the pages of each volume room for as many blocks, so that their clusters are the same, as
 // blending them takes (blended_frame.h).
 void evenOutPages(const std::vector<std::pair<const IndexedVolume*, PageGeometry*>>& pages);

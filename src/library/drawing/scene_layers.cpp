@@ -11,6 +11,8 @@
 #include "src/library/drawing/empty_picture.h"
 #include "src/library/drawing/scene.h"
 #include "src/library/drawing/shared_world.h"
+#include "src/render/blocks/cut_rules.h"
+#include "src/render/frame/loaded_boxes.h"
 #include "src/render/session/blended_frame.h"
 #include "src/volume/block_side.h"
 
@@ -50,19 +52,39 @@ FrameOptions Scene::optionsOf(const Layer& layer, const FrameOptions& options) c
   FrameOptions own = has_view ? frameOn(layout, volume.source->layout(), options) : options;
   own.shades = layer.look.lit;
   if (look.flat_scale > 0) own.lighting.flat_share *= layer.look.flat_scale / look.flat_scale;
+  // Blocks of a cut are shared out, and waiting is, too, unless all layers are drawn together.
+  if (own.cut) own.cut->most_held_bytes /= all.size();
   if (blends()) {
-    own.cut.reset();
+    if (!blendsLevels(options)) own.cut.reset();
     own.integrates = false;
     return own;
   }
-  // Waiting and blocks of a cut are shared out, too.
   if (own.time_limit_s) *own.time_limit_s /= static_cast<double>(all.size());
-  if (own.cut) own.cut->most_held_bytes /= all.size();
   if (options.watch)
     own.watch = [watch = options.watch, place, count = all.size()](uint64_t done, uint64_t total) {
       watch(place * total + done, count * total);
     };
   return own;
+}
+
+bool haveOneLayout(const IndexedVolume& a, const IndexedVolume& b) {
+  return a.layout.size == b.layout.size && a.layout.ghost == b.layout.ghost;
+}
+
+bool haveOneCut(const FrameOptions& options, const std::vector<LayerLook>& layers) {
+  const IndexedVolume& first = *layers.front().volume;
+  return std::ranges::all_of(layers, [&](const LayerLook& layer) {
+    const IndexedVolume& volume = *layer.volume;
+    return volume.pyramid != nullptr && first.pyramid != nullptr &&
+           areAlike(*volume.pyramid, *first.pyramid) &&
+           drawsCut(volume.step(), options.cut, options.mode, *layer.transfer);
+  });
+}
+
+bool Scene::blendsLevels(const FrameOptions& options) const {
+  std::vector<LayerLook> looks;
+  for (const Layer* layer : layers()) looks.push_back({&layer->volume, &layer->look.transfer});
+  return haveOneCut(options, looks);
 }
 
 void requireBlendable(const LookArguments& look, const FrameOptions& options,
@@ -75,7 +97,7 @@ void requireBlendable(const LookArguments& look, const FrameOptions& options,
           "--combine blend: {} is on another grid of voxels than {}; leave out --combine, which "
           "adds their pictures",
           volume->source->layout().name, first.source->layout().name);
-    if (volume->layout.size != first.layout.size || volume->layout.ghost != first.layout.ghost)
+    if (!haveOneLayout(*volume, first))
       failRequest(
           "--combine blend: {} is read in other blocks than {}; give both the same --block, and "
           "levels of resolution to both or none",
@@ -99,33 +121,36 @@ void Scene::requireBlendable(const LookArguments& asked_look, const FrameOptions
 }
 
 Frame Scene::drawBlended(std::vector<LayerFrame>& parts) {
-  std::vector<Session*> sessions, showing;
-  std::vector<std::optional<FrameReport>> without_blocks;
-  for (Layer* layer : layers()) {
-    sessions.push_back(layer->session.get());
-    without_blocks.push_back(layer->session->withoutBlocks());
-    if (!without_blocks.back()) showing.push_back(sessions.back());
-  }
+  std::vector<Session*> sessions;
+  for (Layer* layer : layers()) sessions.push_back(layer->session.get());
+  const Session::Parts made = Session::parts(sessions);
+  const auto has_blocks = [](const Session::Part& part) { return !part.visible->blocks.empty(); };
   // A medium of one channel is that channel's own frame.
-  if (showing.size() == 1) {
-    Frame frame = showing.front()->frame();
-    const auto place = std::ranges::find(sessions, showing.front()) - sessions.begin();
-    toUnitOf(volume.source->layout(), layers()[static_cast<size_t>(place)]->volume.source->layout(),
-             frame.picture.depth);
-    parts.clear();
-    for (size_t i = 0; i < sessions.size(); ++i)
-      parts.push_back(without_blocks[i] ? LayerFrame{*without_blocks[i], false}
-                                        : LayerFrame{frame.report, !showsNothing(frame.picture)});
-    frame.report = parts.front().report;
-    for (size_t i = 1; i < parts.size(); ++i) addLayer(frame.report, parts[i].report);
-    return frame;
-  }
+  if (std::ranges::count_if(made.of_sessions, has_blocks) == 1) return drawOnly(made, parts);
   std::vector<FrameReport> reports;
-  Frame frame = blendedFrame(sessions, *device, reports);
+  Frame frame = blendedFrame(made, *device, reports);
   parts.clear();
   const bool shows = !showsNothing(frame.picture);
   for (const FrameReport& report : reports)
     parts.push_back({report, shows && report.grey + report.black > 0});
+  return frame;
+}
+
+Frame Scene::drawOnly(const Session::Parts& made, std::vector<LayerFrame>& parts) {
+  Frame frame;
+  parts.clear();
+  for (size_t i = 0; i < made.of_sessions.size(); ++i) {
+    const Session::Part& part = made.of_sessions[i];
+    if (part.visible->blocks.empty()) {
+      parts.push_back({reportWithoutBlocks(*part.visible, part.options.step_vox), false});
+      continue;
+    }
+    frame = part.session->frame();
+    toUnitOf(volume.source->layout(), layers()[i]->volume.source->layout(), frame.picture.depth);
+    parts.push_back({frame.report, !showsNothing(frame.picture)});
+  }
+  frame.report = parts.front().report;
+  for (size_t i = 1; i < parts.size(); ++i) addLayer(frame.report, parts[i].report);
   return frame;
 }
 

@@ -3,7 +3,6 @@
 
 #include "src/base/error.h"
 #include "src/base/threads/clock.h"
-#include "src/device/chunk_texels.h"
 #include "src/render/frame/pixel_rays.h"
 #include "src/render/session/session.h"
 
@@ -104,15 +103,9 @@ Frame Session::frame() {
   frame.report.stages.light = light_s;
   if (setup.light != nullptr) frame.report.light_texels = setup.light->dims;
   frame.report.step_vox = options.step_vox;
-  if (frame.report.cut) {
-    const ValueMap& map = step_.ranges->map;
-    const bool are_shares = frame.report.cut->values == LevelValues::kModes;
-    frame.report.cut->spread =
-        spreads_->of(*visible, are_shares ? 1 / wholeShare(map.type) : map.scale);
-  }
   frame.blocks = visible;
-  noteDrawn(visible, frame.report);
-  ++frame_number_;
+  noteDrawn(visible, frame.report.seconds - frame.report.stages.draw - classify_s - plan_s,
+            frame.report.decoded_bytes, frame.report);
   return frame;
 }
 

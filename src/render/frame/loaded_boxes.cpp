@@ -39,6 +39,14 @@ void loadChunks(const ReadAhead::Taken& taken, const FramePlan& plan, ReadAhead&
   }
 }
 
+FrameReport reportWithoutBlocks(const VisibleBlocks& visible, double step_vox) {
+  FrameReport report;
+  report.step_vox = step_vox;
+  report.white = visible.white;
+  report.cut = visible.cut;
+  return report;
+}
+
 void addCounts(const VisibleBlocks& visible, const FramePlan& plan, const ReadTally& tally,
                FrameReport& report) {
   report.decoded_bytes = tally.decoded_bytes;

@@ -22,6 +22,9 @@ void loadChunks(const ReadAhead::Taken& taken, const FramePlan& plan, ReadAhead&
                 Residency& residency, bool may_lack, FrameReport& report,
                 const std::function<void(ChunkPosition, ChunkName)>& request = {});
 
+// The report of a frame of which no block shows anything.
+FrameReport reportWithoutBlocks(const VisibleBlocks& visible, double step_vox);
+
 // Sets the counts of blocks, of the plan and of reading.
 void addCounts(const VisibleBlocks& visible, const FramePlan& plan, const ReadTally& tally,
                FrameReport& report);

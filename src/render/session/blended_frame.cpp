@@ -1,6 +1,7 @@
 #include "src/render/session/blended_frame.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <map>
 #include <memory>
@@ -18,38 +19,16 @@
 namespace sluice {
 namespace {
 
-// The blocks that show something in any channel, with the hull of their object boxes.
-VisibleBlocks unionOf(const std::vector<Session::Part>& parts) {
-  std::map<int64_t, ObjectBlock> blocks;  // channels may show different time steps
-  for (const Session::Part& part : parts)
-    for (const ObjectBlock& object : part.visible->blocks) {
-      const auto [found, fresh] = blocks.emplace(object.name.block, object);
-      if (!fresh) found->second.cells = unite(found->second.cells, object.cells);
-    }
-  VisibleBlocks all;
-  all.share = parts.front().visible->share;  // the same of all channels
-  for (auto& [block, object] : blocks) {
-    object.trimming_axis = shortestAxis(object.cells.size());
-    all.blocks.push_back(object);
-  }
-  return all;
+// A cluster's place in the grids that all plans share.
+using ClusterPlace = std::array<int64_t, 4>;
+ClusterPlace placeOf(const Cluster& cluster) {
+  const Vec3i at = cluster.index;
+  return {static_cast<int64_t>(cluster.grid), at.x, at.y, at.z};
 }
-
-// The clusters and blocks of all channels, for the order of the visit: chunks are the channels'
-// own.
-TexturePlan unionPlan(const std::vector<Session::Part>& parts) {
-  const Session::Part& first = parts.front();
-  const TexturePlan& textures = first.plan->textures;
-  const Algorithm algorithm =
-      first.options.algorithm == Algorithm::kMerged ? Algorithm::kTrimmed : first.options.algorithm;
-  return planTextures(textures.pyramid, unionOf(parts), textures.page,
-                      {algorithm, first.options.merge_order, first.step.time,
-                       cropCells(first.options, first.step.ranges->layout.dims)});
-}
-
-int64_t linear(const TexturePlan& textures, const Cluster& cluster) {
-  const Vec3i count = textures.cluster_grids.front().count, at = cluster.index;
-  return (at.z * count.y + at.y) * count.x + at.x;
+// A block's name without its time, which channels may have others of.
+BlockName ofAnyTime(BlockName name) {
+  name.time = 0;
+  return name;
 }
 
 // The frame that all channels are drawn in.
@@ -68,16 +47,14 @@ class ChannelRun {
   // `frame` must outlive it.
   ChannelRun(const Session::Part& part, const SharedFrame& frame, uint32_t channel)
       : part_(part), frame_(frame), channel_(channel) {
-    const TexturePlan& all = frame.all;
     const TexturePlan& textures = part.plan->textures;
-    SLUICE_CHECK(textures.cluster_blocks == all.cluster_blocks);
     for (const ClusterPosition i : textures.clusters.indices())
-      clusters_.emplace(linear(textures, textures.clusters[i]), i);
+      clusters_.emplace(placeOf(textures.clusters[i]), i);
     for (const BlockPosition i : textures.blocks.indices())
-      blocks_.emplace(textures.blocks[i].name.block, i);
+      blocks_.emplace(ofAnyTime(textures.blocks[i].name), i);
     DrawOrder own{frame.order.eye, {}};
     for (const Visit& each : frame.order.visits)
-      if (const auto found = clusters_.find(linear(all, all.clusters[each.cluster]));
+      if (const auto found = clusters_.find(placeOf(frame.all.clusters[each.cluster]));
           found != clusters_.end())
         own.visits.push_back({.cluster = found->second, .draws = true, .blocks = {}});
     const ReadPurpose purpose{tally_, part.options.stop};
@@ -94,8 +71,8 @@ class ChannelRun {
   ChannelRun& operator=(const ChannelRun&) = delete;
 
   // Makes the chunks of a cluster of all channels resident.
-  void load(int64_t cluster, const ReadAhead::Deadline& deadline) {
-    if (!clusters_.contains(cluster)) return;
+  void load(const Cluster& cluster, const ReadAhead::Deadline& deadline) {
+    if (!clusters_.contains(placeOf(cluster))) return;
     while (const auto taken = ahead_->take(deadline)) {
       part_.options.stop.throwIfStopped();
       loadChunks(*taken, *part_.plan, *ahead_, residency(), deadline.has_value(), report_);
@@ -103,8 +80,8 @@ class ChannelRun {
     }
   }
   // Appends the channel's box of a block, if it has one and its chunk is there.
-  void append(int64_t block_id, std::vector<BoxDraw>& boxes, bool joins) {
-    const auto found = blocks_.find(block_id);
+  void append(const BlockName& name, std::vector<BoxDraw>& boxes, bool joins) {
+    const auto found = blocks_.find(ofAnyTime(name));
     if (found == blocks_.end()) return;
     const TexturePlan& textures = part_.plan->textures;
     const TextureBlock& block = textures.blocks[found->second];
@@ -132,7 +109,7 @@ class ChannelRun {
   }
 
  private:
-  Residency& residency() const { return *part_.residency; }
+  Residency& residency() const { return part_.session->residency(); }
   bool shows(ChunkPosition chunk) const {
     const TexturePlan& textures = part_.plan->textures;
     return std::ranges::any_of(textures.chunks[chunk].blocks, [&](BlockPosition block) {
@@ -144,8 +121,8 @@ class ChannelRun {
   const SharedFrame& frame_;
   const uint32_t channel_;
   const std::shared_ptr<ReadTally> tally_ = std::make_shared<ReadTally>();
-  std::unordered_map<int64_t, ClusterPosition> clusters_;  // by place in the grid
-  std::unordered_map<int64_t, BlockPosition> blocks_;      // by id
+  std::map<ClusterPlace, ClusterPosition> clusters_;
+  std::unordered_map<BlockName, BlockPosition, BlockNameHash> blocks_;  // of any time
   std::unique_ptr<ReadAhead> ahead_;
   FrameReport report_;
   double missing_cells_ = 0;
@@ -177,22 +154,19 @@ class DeviceFrame {
 
 }  // namespace
 
-Frame blendedFrame(std::span<Session* const> sessions, Device& device,
-                   std::vector<FrameReport>& reports) {
+Frame blendedFrame(const Session::Parts& made, Device& device, std::vector<FrameReport>& reports) {
   const auto asked_at = std::chrono::steady_clock::now();
   const Stopwatch watch;
   Stopwatch stage;
-  std::vector<Session::Part> parts;
-  for (Session* session : sessions) parts.push_back(session->part());
+  const std::vector<Session::Part>& parts = made.of_sessions;
   const Session::Part& first = parts.front();
   const FrameOptions& options = first.options;
   const VolumeLayout& volume = first.step.source->layout();
   const View view = resolve(options.camera, volume, options.size, options.step_vox);
-  const double classify_s = stage.lap();
-  const TexturePlan all = unionPlan(parts);
+  const TexturePlan& all = *made.all;
   const DrawOrder order = makeDrawOrder(all, eyePosition(view, volume), Arrangement::kRows);
   const FrameSetup setup = setupOf(parts, view);
-  const double plan_s = stage.lap();
+  const double plan_s = made.plan_s + stage.lap();
 
   ReadAhead::Deadline deadline;
   if (options.time_limit_s)
@@ -213,14 +187,13 @@ Frame blendedFrame(std::span<Session* const> sessions, Device& device,
     if (options.watch) options.watch(i, order.visits.size());
     options.stop.throwIfStopped();
     const Visit& visit = order.visits[i];
-    for (const auto& channel : channels)
-      channel->load(linear(all, all.clusters[visit.cluster]), deadline);
+    for (const auto& channel : channels) channel->load(all.clusters[visit.cluster], deadline);
     stage.lap();
     for (const BlockPosition position : visit.blocks) {
       const TextureBlock& block = all.blocks[position];
       const size_t before = boxes.size();
       for (const auto& channel : channels)
-        channel->append(block.name.block, boxes, boxes.size() > before);
+        channel->append(block.name, boxes, boxes.size() > before);
     }
     if (!boxes.empty()) device.draw(boxes);
     if (options.count_samples) counted.insert(counted.end(), boxes.begin(), boxes.end());
@@ -232,11 +205,15 @@ Frame blendedFrame(std::span<Session* const> sessions, Device& device,
   Frame frame;
   frame.picture = device.endFrame();
   draw_s += stage.lap();
-  for (Session* session : sessions) session->noteDrawing(draw_s);
   reports.clear();
   for (const auto& channel : channels) reports.push_back(channel->report());
+  uint64_t read_bytes = 0;
+  for (const FrameReport& report : reports) read_bytes += report.decoded_bytes;
+  const double reading_s = watch.seconds() - draw_s;
+  for (size_t i = 0; i < parts.size(); ++i)
+    parts[i].session->noteDrawn(parts[i], draw_s, reading_s, read_bytes, reports[i]);
   FrameReport& work = reports.front();
-  work.stages.classify = classify_s;
+  work.stages.classify = made.classify_s;
   work.stages.plan = plan_s;
   work.stages.draw = draw_s;
   if (options.count_samples) {
@@ -244,10 +221,10 @@ Frame blendedFrame(std::span<Session* const> sessions, Device& device,
     work.samples_drawn = device.countSamples(counted);
     work.samples_taken = setup.counts_taken ? taken : work.samples_drawn;
   }
-  work.seconds = watch.seconds();
+  work.seconds = made.classify_s + made.plan_s + watch.seconds();
   frame.report = reports.front();
   for (size_t i = 1; i < reports.size(); ++i) addLayer(frame.report, reports[i]);
-  frame.report.seconds = watch.seconds();
+  frame.report.seconds = work.seconds;
   frame.blocks = first.visible;
   return frame;
 }

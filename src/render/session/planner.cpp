@@ -29,25 +29,52 @@ double Planner::stepForSurfaces(const View& view, const VolumeLayout& layout, do
   return std::min({step_vox, step_vox / longestStep(view, layout), kMostSurfaceStep});
 }
 
-VisibleBlocksPtr Planner::visibleBlocks(const TimeStep& step, const LookPtr& look, const View& view,
-                                        const FrameOptions& options, const ReadLimit* limit) {
+BlockQuestion Planner::question(const TimeStep& step, const LookPtr& look, const View& view,
+                                const FrameOptions& options, const ReadLimit* limit) {
   std::optional<CutOptions> cut;
   if (drawsCut(step, options.cut, options.mode, look->transfer)) cut = options.cut;
-  BlockChooser* chooser = chooser_;
-  if (chooser == nullptr && cut) chooser = &cut_;
-  if (chooser == nullptr) chooser = &classified_;
-  return chooser->choose(
-      {step, look, cropCells(options, step.ranges->layout.dims), view, cut, limit,
-       integrates(step, *look, view, options) || drawsSurfaces(step, *look, options),
-       options.algorithm});
+  return {step,
+          look,
+          cropCells(options, step.ranges->layout.dims),
+          view,
+          cut,
+          limit,
+          integrates(step, *look, view, options) || drawsSurfaces(step, *look, options),
+          options.algorithm};
+}
+
+BlockChooser& Planner::chooserFor(const BlockQuestion& question) {
+  if (chooser_ != nullptr) return *chooser_;
+  if (question.cut) return cut_;
+  return classified_;
+}
+
+VisibleBlocksPtr Planner::visibleBlocks(const TimeStep& step, const LookPtr& look, const View& view,
+                                        const FrameOptions& options, const ReadLimit* limit) {
+  const BlockQuestion asked = question(step, look, view, options, limit);
+  return chooserFor(asked).choose(asked);
+}
+
+std::vector<VisibleBlocksPtr> Planner::visibleTogether(std::span<Planner* const> planners,
+                                                       std::span<const BlockQuestion> questions) {
+  std::vector<LevelCut*> cuts;
+  for (size_t i = 0; i < planners.size(); ++i)
+    if (&planners[i]->chooserFor(questions[i]) == &planners[i]->cut_)
+      cuts.push_back(&planners[i]->cut_);
+  if (cuts.size() == planners.size()) return LevelCut::chooseTogether(cuts, questions);
+  std::vector<VisibleBlocksPtr> visible;
+  for (size_t i = 0; i < planners.size(); ++i)
+    visible.push_back(planners[i]->chooserFor(questions[i]).choose(questions[i]));
+  return visible;
 }
 
 FramePlanPtr Planner::plan(const TimeStep& step, const VisibleBlocksPtr& visible,
-                           const FrameOptions& options) {
+                           const FrameOptions& options, const TexturePlanPtr& clusters) {
   const Box3 crop = cropCells(options, step.ranges->layout.dims);
-  return plan_.of({step, visible, options.algorithm, options.merge_order, crop}, [&] {
+  return plan_.of({step, visible, options.algorithm, options.merge_order, crop, clusters}, [&] {
     return makeFramePlan(step, *visible, page_,
-                         {options.algorithm, options.merge_order, step.time, crop}, names_);
+                         {options.algorithm, options.merge_order, step.time, crop, clusters.get()},
+                         names_);
   });
 }
 

@@ -9,6 +9,8 @@
 #pragma once
 
 #include <memory>
+#include <span>
+#include <vector>
 
 #include "cache/model/page_geometry.h"
 #include "src/render/blocks/cut_rules.h"
@@ -55,9 +57,17 @@ class Planner {
   // `limit` applies to such a cut alone; null: none.
   VisibleBlocksPtr visibleBlocks(const TimeStep& step, const LookPtr& look, const View& view,
                                  const FrameOptions& options, const ReadLimit* limit = nullptr);
-  // Throws Error when the texture cache has fewer pages than one block.
+  // The question that visibleBlocks() asks its chooser. `limit` must outlive it.
+  static BlockQuestion question(const TimeStep& step, const LookPtr& look, const View& view,
+                                const FrameOptions& options, const ReadLimit* limit = nullptr);
+  // The answers of several planners to a question each. If all of them make a cut, it is one cut,
+  // see LevelCut::chooseTogether().
+  static std::vector<VisibleBlocksPtr> visibleTogether(std::span<Planner* const> planners,
+                                                       std::span<const BlockQuestion> questions);
+  // `clusters`: PlanOptions::clusters. Throws Error when the texture cache has fewer pages than one
+  // block.
   FramePlanPtr plan(const TimeStep& step, const VisibleBlocksPtr& visible,
-                    const FrameOptions& options);
+                    const FrameOptions& options, const TexturePlanPtr& clusters = nullptr);
   // The three in a row.
   FramePlanPtr planFor(const TimeStep& step, const TransferPtr& transfer,
                        const FrameOptions& options);
@@ -76,6 +86,7 @@ class Planner {
     Algorithm algorithm;
     MergeOrder merge_order;
     Box3 crop;
+    Identity<TexturePlan> clusters;
     friend bool operator==(const PlanKey&, const PlanKey&) = default;
   };
   struct OrderKey {
@@ -85,6 +96,8 @@ class Planner {
     Arrangement arrangement;
     friend bool operator==(const OrderKey&, const OrderKey&) = default;
   };
+
+  BlockChooser& chooserFor(const BlockQuestion& question);
 
   const PageGeometry page_;
   ChunkNames& names_;

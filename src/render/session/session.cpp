@@ -5,7 +5,9 @@
 
 #include "src/base/error.h"
 #include "src/base/threads/clock.h"
+#include "src/device/chunk_texels.h"
 #include "src/render/blocks/cut_rules.h"
+#include "src/render/frame/loaded_boxes.h"
 
 namespace sluice {
 namespace {
@@ -97,32 +99,9 @@ std::optional<FrameReport> Session::withoutBlocks() {
   const VisibleBlocksPtr visible = planner_.visibleBlocks(step_, look, view, options_);
   if (!visible->blocks.empty()) return std::nullopt;
   visible_ = visible;
-  FrameReport report;
+  FrameReport report = reportWithoutBlocks(*visible, options_.step_vox);
   report.seconds = report.stages.classify = watch.seconds();
-  report.step_vox = options_.step_vox;
-  report.white = visible->white;
-  report.cut = visible->cut;
   return report;
-}
-
-Session::Part Session::part() {
-  SLUICE_CHECK(transfer_ != nullptr);
-  takeLearntRanges();
-  FrameOptions options = options_;
-  options.cut.reset();
-  options.integrates = false;
-  const LookPtr look = planner_.look(step_, transfer_, options.mode);
-  const View view = resolve(options.camera, step_.source->layout(), options.size, options.step_vox);
-  const VisibleBlocksPtr visible = planner_.visibleBlocks(step_, look, view, options);
-  visible_ = visible;
-  const FramePlanPtr plan = planner_.plan(step_, visible, options);
-  const double last_draw_s = std::exchange(lessons_, {}).draw_s;
-  read_afterwards_.reset();
-  afterwards_.reset();
-  residency_.forgetUnused(*plan);
-  ++frame_number_;
-  return {step_,      look, visible, plan, &residency_, options, session_.lit && options.shades,
-          last_draw_s};
 }
 
 void Session::readAfterwards(const TimeStep& next) {
@@ -165,12 +144,17 @@ double Session::stepForCut(const VisibleBlocks& visible, const FrameOptions& opt
   return options.step_vox * spacingOfLevel(step_, shown) / spacingOfLevel(step_, wanted);
 }
 
-void Session::noteDrawn(const VisibleBlocksPtr& visible, const FrameReport& report) {
+void Session::noteDrawn(const VisibleBlocksPtr& visible, double reading_s, uint64_t read_bytes,
+                        FrameReport& report) {
   drawn_ = visible->cut ? visible : nullptr;
-  const double reading_s =
-      report.seconds - report.stages.draw - report.stages.classify - report.stages.plan;
-  if (report.decoded_bytes < kTellingBytes || reading_s <= 0) return;
-  const double bytes_per_s = static_cast<double>(report.decoded_bytes) / reading_s;
+  if (report.cut) {
+    const ValueMap& map = step_.ranges->map;
+    const bool are_shares = report.cut->values == LevelValues::kModes;
+    report.cut->spread = spreads_->of(*visible, are_shares ? 1 / wholeShare(map.type) : map.scale);
+  }
+  ++frame_number_;
+  if (read_bytes < kTellingBytes || reading_s <= 0) return;
+  const double bytes_per_s = static_cast<double>(read_bytes) / reading_s;
   bytes_per_s_ += kNewSpeed * (bytes_per_s - bytes_per_s_);
 }
 

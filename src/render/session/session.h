@@ -72,22 +72,30 @@ class Session {
   // right anyway. Requires: a transfer function is set.
   Frame frame();
   // The values that the next frame would be drawn from, for a frame that shows several sessions as
-  // one medium (blended_frame.h). It is of the finest level, whole, without occlusion. Of sessions
-  // of one grid and one number of pages, the clusters of the plans are the same parts of the
-  // volume.
+  // one medium (blended_frame.h). It is without occlusion, surfaces and pre-integration.
   struct Part {
+    Session* session = nullptr;
     TimeStep step;
     LookPtr look;
     VisibleBlocksPtr visible;
     FramePlanPtr plan;
-    Residency* residency = nullptr;
     FrameOptions options;
     bool lit = false;
     double last_draw_s = 0;  // the drawing time of the last frame
   };
-  Part part();
-  // The drawing time of the frame that the part was drawn in.
-  void noteDrawing(double draw_s) { lessons_.draw_s = draw_s; }
+  struct Parts {
+    std::vector<Part> of_sessions;
+    TexturePlanPtr all;  // the blocks of all, whose clusters are those of the parts' plans
+    double classify_s = 0, plan_s = 0;
+  };
+  // Requires: the sessions' volumes have one grid and one block size, and either the options of all
+  // draw a cut, through levels that are alike (areAlike()), or none.
+  static Parts parts(std::span<Session* const> sessions);
+  Residency& residency() { return residency_; }
+  // A part was drawn. Adds to its report what the levels tell of the blocks. `reading_s`: the time
+  // that took to read the blocks of all parts, `read_bytes` of them.
+  void noteDrawn(const Part& part, double draw_s, double reading_s, uint64_t read_bytes,
+                 FrameReport& report);
   // The report of the next frame if no block shows anything in it, so that it need not be drawn;
   // nullopt: it has to be. The planner keeps what it found for the frame.
   std::optional<FrameReport> withoutBlocks();
@@ -115,6 +123,14 @@ class Session {
   // The ranges of the step's finest level with those that pictures have learnt.
   std::shared_ptr<const SliceRanges> ranges() const;
 
+  struct UnionKey {
+    std::vector<Identity<VisibleBlocks>> visible;
+    Algorithm algorithm;
+    MergeOrder merge_order;
+    int64_t time;
+    Box3 crop;
+    friend bool operator==(const UnionKey&, const UnionKey&) = default;
+  };
   struct BoxesKey {
     TimeStep step;
     Identity<Look> look;
@@ -134,7 +150,9 @@ class Session {
   std::optional<ReadLimit> readLimit(const LookPtr& look) const;
   // The distance between slices, see FrameOptions::step_follows_cut.
   double stepForCut(const VisibleBlocks& visible, const FrameOptions& options) const;
-  void noteDrawn(const VisibleBlocksPtr& visible, const FrameReport& report);
+  // Ends a frame of these blocks: they are the last ones, and the report gets their spreads.
+  void noteDrawn(const VisibleBlocksPtr& visible, double reading_s, uint64_t read_bytes,
+                 FrameReport& report);
   // Null if object boxes are drawn.
   ChosenBoxesPtr boxesOf(const LookPtr& look, const FramePlanPtr& plan);
 
@@ -149,6 +167,7 @@ class Session {
   Planner planner_;
   ArrivingLight light_;
   Memo<BoxesKey, const ChosenBoxes> boxes_;
+  Memo<UnionKey, const TexturePlan> union_;  // of parts of which this session's is the first
   TimeStep step_;
   std::optional<TimeStep> afterwards_;
   std::unique_ptr<ReadAhead> read_afterwards_;

@@ -1,0 +1,92 @@
+// Blended pictures from levels of resolution: a scan and its labels in packed stores.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "tests/tools/program.h"
+
+namespace sluice {
+namespace {
+
+using testing::HasSubstr;
+
+class BlendedLevels : public testing::Test {
+ protected:
+  void SetUp() override {
+    run("pack synth:phantom,dims=160x160x160 -o scan.zarr --levels 3 --block 32 --quiet");
+    run("pack synth:parts,dims=160x160x160 -o parts.zarr --levels 3 --downsample mode --block 32 "
+        "--quiet");
+  }
+  void run(const std::string& arguments) const {
+    const CommandResult result = program_.run(arguments);
+    ASSERT_EQ(result.status, 0) << arguments << "\n" << result.output;
+  }
+  std::string picture(const std::string& name) const {
+    return readFile(program_.folder.path() / name);
+  }
+
+  const Program program_;
+};
+
+constexpr const char* kBoth =
+    " scan.zarr --over parts.zarr --combine blend --look over:labels,0.3 --size 160x140 ";
+
+// The counts of each channel, which come from one cut.
+TEST_F(BlendedLevels, aPlanIsThatOfThePicture) {
+  for (const char* options :
+       {"--pixel-error 1", "--pixel-error 3", "--level 1", "--level 0", "--pixel-error 1 --zoom 5",
+        "--projection perspective --zoom 6 --pixel-error 2 --pages 400",
+        "--pixel-error 1 --algorithm conventional", "--keep-thin --pixel-error 4"}) {
+    const auto plan = program_.json(fmt::format("plan{}{}", kBoth, options));
+    const auto frame =
+        program_.json(fmt::format("render{}{} --force -o a.png", kBoth, options))["frames"][0];
+    ASSERT_EQ(plan["channels"].size(), 2U) << options;
+    for (size_t c = 0; c < 2; ++c) {
+      const auto &planned = plan["channels"][c], &drawn = frame["channels"][c];
+      EXPECT_EQ(planned["blocks"], drawn["blocks"]) << options << " " << c;
+      const bool loads_all = std::string_view(options).ends_with("conventional");
+      if (!loads_all)
+        EXPECT_EQ(planned["algorithms"]["merged"]["chunks"], drawn["chunks"])
+            << options << " " << c;
+    }
+  }
+}
+
+// As coarse as it is asked for, it reads no finer level, and differs from the finest one by little.
+TEST_F(BlendedLevels, aCoarsePictureReadsNoFineLevel) {
+  const auto readBytes = [&](const std::string& options) {
+    const auto report = program_.json(fmt::format("render{}{}", kBoth, options));
+    return report["frames"][0]["decoded_bytes"].get<double>();
+  };
+  const double fine = readBytes("--level 0 --step 0.5 -o fine.png");
+  const double coarse = readBytes("--level 1 --step 0.5 -o coarse.png");
+  EXPECT_LT(coarse, fine / 3);  // two numbers of an eighth of the voxels
+  EXPECT_GT(coarse, 0);
+}
+
+// A channel that shows nothing takes nothing from a cut.
+TEST_F(BlendedLevels, withOneThatShowsNothingItIsThePictureOfTheOther) {
+  for (const char* options : {"--pixel-error 3", "--level 2 --projection perspective"}) {
+    const std::string common =
+        fmt::format(" --step 1 --fit volume --size 160x140 {} --force -o ", options);
+    run("render scan.zarr --over parts.zarr --combine blend --look over:red,200:201" + common +
+        "both.png");
+    run("render scan.zarr" + common + "one.png");
+    EXPECT_EQ(picture("both.png"), picture("one.png")) << options;
+  }
+}
+
+// Levels of one volume alone are not used, whichever has them.
+TEST_F(BlendedLevels, withLevelsOfOneAloneTheFinestIsBlended) {
+  run("pack synth:phantom,dims=160x160x160 -o flat.zarr --levels none --block 32 --quiet");
+  const std::string look =
+      " --combine blend --look over:labels,0.3 --size 160x140 --shade --force ";
+  run("render flat.zarr --over parts.zarr --pixel-error 4 -o flat.png" + look);
+  run("render scan.zarr --over parts.zarr --level 0 -o finest.png" + look);
+  EXPECT_EQ(picture("flat.png"), picture("finest.png"));
+}
+
+}  // namespace
+}  // namespace sluice
