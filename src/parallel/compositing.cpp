@@ -136,6 +136,16 @@ uint64_t bytesOfOthers(const std::vector<Message>& messages, int rank) {
 
 }  // namespace
 
+CompositingReport& CompositingReport::operator+=(const CompositingReport& more) {
+  part_bytes += more.part_bytes;
+  sent_bytes += more.sent_bytes;
+  received_bytes += more.received_bytes;
+  exchange_seconds += more.exchange_seconds;
+  compose_seconds += more.compose_seconds;
+  gather_seconds += more.gather_seconds;
+  return *this;
+}
+
 int ownerOf(size_t tile, int ranks) {
   return static_cast<int>(tile % static_cast<size_t>(ranks));
 }

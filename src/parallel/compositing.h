@@ -24,6 +24,10 @@ struct CompositingReport {
   uint64_t received_bytes = 0;  // parts of the rank's tiles, received from others
   double exchange_seconds = 0;  // waiting for others included
   double compose_seconds = 0, gather_seconds = 0;
+
+  double seconds() const { return exchange_seconds + compose_seconds + gather_seconds; }
+  // For pictures that are added up.
+  CompositingReport& operator+=(const CompositingReport& more);
 };
 
 // `part` belongs to a frame of this setup, which is the same on all ranks except for what they

@@ -34,6 +34,7 @@ void PartDevice::beginFrame(const FrameSetup& setup, const StopToken& stop) {
   put_off_chunks_.clear();
   taken_ = part_bytes_ = 0;
   part_ = draws_whole_ ? PartialPicture() : emptyPartialPicture(setup.size);
+  if (!draws_whole_) spare_ = {};  // a part needs no memory of a picture
   device_->beginFrame(setup_, stop);
 }
 

@@ -34,9 +34,14 @@ RankShare::RankShare(Team& team, const Dealing& dealing, WorkerPool& pool, uint6
 
 std::unique_ptr<PartDevice> RankShare::deviceFrom(std::unique_ptr<Device> own) {
   auto device = std::make_unique<PartDevice>(std::move(own), blocks_.dealing());
-  device->limitPart(part_bytes_ / 2);
-  device_ = device.get();
+  drawOn(*device);
   return device;
+}
+
+void RankShare::drawOn(PartDevice& device) {
+  device_ = &device;
+  device.deal(blocks_.dealing());
+  device.limitPart(part_bytes_ / 2);
 }
 
 BlockChooser* RankShare::chooserFrom(BlockChooser* chooser) {

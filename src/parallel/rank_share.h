@@ -27,8 +27,12 @@ class RankShare {
   // `team` and `pool` must outlive it. `part_bytes`: of memory, see partBytes().
   RankShare(Team& team, const Dealing& dealing, WorkerPool& pool, uint64_t part_bytes);
 
-  // The rank's device from its own. Once; it must outlive the share.
+  // The rank's device from its own, which draws this share's frames. Once; it must outlive the
+  // share.
   std::unique_ptr<PartDevice> deviceFrom(std::unique_ptr<Device> own);
+  // Frames on the device are this share's from now on. If the shares of several sessions have one
+  // device, each calls it before its frames.
+  void drawOn(PartDevice& device);
   PartDevice& device() { return *device_; }
   // For a series: see RankBlocks.
   void dealEachPicture(bool each) { blocks_.dealEachPicture(each); }

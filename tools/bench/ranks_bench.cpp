@@ -41,7 +41,7 @@ json framesOf(const RanksBench& bench, Team* team) {
   std::vector<double> seconds, draws, exchanges, composes, gathers;
   for (int i = 0; i < bench.frames + kWarmFrames; ++i) {
     options.camera.azimuth_deg = bench.frame.camera.azimuth_deg + 360.0 * i / bench.frames;
-    scene->session->setOptions(options);
+    scene->setOptions(options);
     if (team != nullptr) team->wait();
     const Stopwatch watch;
     Frame frame = scene->frame();
@@ -49,7 +49,7 @@ json framesOf(const RanksBench& bench, Team* team) {
     seconds.push_back(watch.seconds());
     draws.push_back(frame.report.seconds);
     if (!scene->share) continue;
-    const CompositingReport& parts = scene->share->report();
+    const CompositingReport& parts = scene->composited;
     exchanges.push_back(parts.exchange_seconds);
     composes.push_back(parts.compose_seconds);
     gathers.push_back(parts.gather_seconds);
@@ -65,8 +65,8 @@ json framesOf(const RanksBench& bench, Team* team) {
   row["exchange_seconds"] = median(exchanges);
   row["compose_seconds"] = median(composes);
   row["gather_seconds"] = median(gathers);
-  row["part_bytes"] = scene->share->report().part_bytes;
-  row["sent_bytes"] = scene->share->report().sent_bytes;
+  row["part_bytes"] = scene->composited.part_bytes;
+  row["sent_bytes"] = scene->composited.sent_bytes;
   row["hand_blocks"] = scene->share->dealing().hand;
   return row;
 }

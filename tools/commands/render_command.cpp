@@ -126,7 +126,7 @@ int run(Arguments& arguments, CLI::App& app, Team* team) {
     if (series.choice()) report["culling_choice"] = choiceJson(*series.choice());
     addEarlierFrames(arguments, earlier, report);
   }
-  if (scene.share && wantsReport(arguments)) gatherReport(*team, *scene.share, report);
+  if (scene.share && wantsReport(arguments)) gatherReport(*team, scene.composited, report);
   if (!is_first) return 0;
   warnOfEmptyPictures(arguments, to_draw, drawn);
   std::optional<Verification> verified;

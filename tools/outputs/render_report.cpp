@@ -172,7 +172,7 @@ void printDrawn(const RenderArguments& arguments, const Scene& scene, const Seri
         counts.pixels_checked, counts.pixels);
   }
   if (scene.share) {
-    const CompositingReport& parts = scene.share->report();
+    const CompositingReport& parts = scene.composited;
     say("{} ranks; rank 0 sent {} and received {} of parts of the last picture\n",
         scene.share->team().ranks(), formatBytes(parts.sent_bytes),
         formatBytes(parts.received_bytes));

@@ -65,17 +65,18 @@ uint64_t digestOf(std::span<const Camera> cameras, const VolumeLayout& layout) {
 }
 
 // Exact positions of blocks: one block more or less would be a hole in the picture.
-uint64_t digestOfCuts(Scene& scene, std::span<const Camera> cameras, const FrameOptions& options) {
-  Digest digest;
-  if (!options.cut) return digest.value();
-  const TimeStep step = scene.volume.step();
+void addCuts(const Scene& scene, const Layer& layer, std::span<const Camera> cameras,
+             FrameOptions options, Digest& digest) {
+  const TimeStep step = layer.volume.step();
   ChunkNames names;
-  Planner planner(scene.page, scene.pool, names);
+  Planner planner(layer.page, scene.pool, names);
   const LookPtr look = planner.look(
-      step, std::make_shared<const TransferFunction>(scene.look.transfer), options.mode);
+      step, std::make_shared<const TransferFunction>(layer.look.transfer), options.mode);
   for (const Camera& camera : cameras) {
-    const View view = resolve(camera, step.source->layout(), options.size, options.step_vox);
-    for (const ObjectBlock& block : planner.visibleBlocks(step, look, view, options)->blocks) {
+    options.camera = camera;
+    const FrameOptions own = scene.optionsOf(layer, options);
+    const View view = resolve(own.camera, step.source->layout(), own.size, own.step_vox);
+    for (const ObjectBlock& block : planner.visibleBlocks(step, look, view, own)->blocks) {
       digest.add(block.name.level);
       digest.add(block.name.block);
       for (int a = 0; a < 3; ++a) {
@@ -84,11 +85,32 @@ uint64_t digestOfCuts(Scene& scene, std::span<const Camera> cameras, const Frame
       }
     }
   }
-  return digest.value();
 }
 
 std::string adviceFor(const std::string& file) {
   return fmt::format("give every rank the same file; is {} an old copy on one host?", file);
+}
+
+// " of channel 1", if the scene shows several.
+std::string ofWhich(const Scene& scene, const Layer& layer) {
+  if (scene.more.empty()) return "";
+  const ShownChannel& channel = layer.volume.channel;
+  return channel.is_over ? " of --over" : fmt::format(" of channel {}", channel.number);
+}
+
+// "channel 1 of cells.ome.zarr", or the file's name if the layer is all that is shown of it.
+std::string nameOf(const Scene& scene, const Layer& layer) {
+  const ShownChannel& channel = layer.volume.channel;
+  if (scene.more.empty() || channel.is_over) return layer.volume.name;
+  return fmt::format("channel {} of {}", channel.number, layer.volume.name);
+}
+
+// "0,2,over": the same on all ranks, whatever the files' names are.
+std::string listOfChannels(const Scene& scene) {
+  std::string list;
+  for (const Layer* layer : scene.layers())
+    list += (list.empty() ? "" : ",") + layer->volume.channel.id();
+  return list;
 }
 
 }  // namespace
@@ -100,27 +122,42 @@ void expectSameCommand(Team& team, const CLI::App& app) {
                   "start the same command on every rank");
   std::vector<Fact> facts;
   for (const auto& [name, value] : options.items())
-    if (std::find(kOwn.begin(), kOwn.end(), name) == kOwn.end())
+    if (name == "over")
+      facts.push_back({"--over", "given"});  // the file may have another name
+    else if (std::find(kOwn.begin(), kOwn.end(), name) == kOwn.end())
       facts.push_back({"--" + name, value.is_string() ? value.get<std::string>() : value.dump()});
   expectAgreement(team, facts, "start every rank with the same options");
 }
 
 void expectSameScene(Team& team, Scene& scene, std::span<const Camera> cameras,
                      const FrameOptions& options) {
-  const IndexedVolume& volume = scene.volume;
-  expectAgreement(team, factsOf(*volume.source, volume.time, volume.index->ranges, kSceneSamples),
-                  adviceFor(volume.name));
-  expectAgreement(team,
-                  {{"transfer functions", "", digestOf(scene.look)},
-                   {"cameras", "", digestOf(cameras, volume.source->layout())}},
-                  "give every rank the same files");
-  expectAgreement(team, {{"levels of resolution", "", digestOfCuts(scene, cameras, options)}},
+  // As many statements follow as there are channels.
+  expectAgreement(team, {{"the list of channels", listOfChannels(scene)}},
+                  adviceFor(scene.volume.name));
+  std::vector<Fact> looks{{"cameras", "", digestOf(cameras, scene.volume.source->layout())}};
+  Digest cuts;
+  for (const Layer* layer : scene.layers()) {
+    const IndexedVolume& volume = layer->volume;
+    expectAgreement(team, factsOf(*volume.source, volume.time, volume.index->ranges, kSceneSamples),
+                    adviceFor(nameOf(scene, *layer)));
+    looks.push_back({"transfer functions" + ofWhich(scene, *layer), "", digestOf(layer->look)});
+    if (options.cut) addCuts(scene, *layer, cameras, options, cuts);
+  }
+  expectAgreement(team, looks, "give every rank the same files");
+  expectAgreement(team, {{"levels of resolution", "", cuts.value()}},
                   "processors may round differently; give --level N");
 }
 
-void expectSameStep(Team& team, const Scene& scene, const TimeStep& step) {
-  expectAgreement(team, factsOf(*step.source, step.time, *step.ranges, kStepSamples),
-                  adviceFor(fmt::format("time step {} of {}", step.time, scene.volume.name)));
+void expectSameStep(Team& team, const Scene& scene, const std::vector<TimeStep>& steps) {
+  const std::vector<const Layer*> layers = scene.layers();
+  for (size_t i = 0; i < steps.size(); ++i) {
+    const TimeStep& step = steps[i];
+    // A second volume of one step shows in all of them, and was compared.
+    if (step.source->layout().time_steps == 1) continue;
+    expectAgreement(
+        team, factsOf(*step.source, step.time, *step.ranges, kStepSamples),
+        adviceFor(fmt::format("time step {} of {}", step.time, nameOf(scene, *layers[i]))));
+  }
 }
 
 }  // namespace sluice

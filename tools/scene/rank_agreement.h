@@ -2,10 +2,12 @@
 // (src/parallel/agreement.h).
 //
 // Options that determine the picture must be the same. Options of a rank's own machine may differ:
-// memory, threads, device, and the names of files, whose contents are compared instead.
+// memory, threads, device, and the names of files, whose contents are compared instead. In a scene
+// of several channels, or with a second volume, each of them is compared.
 #pragma once
 
 #include <span>
+#include <vector>
 
 #include "src/parallel/team.h"
 #include "src/render/camera/camera.h"
@@ -20,11 +22,12 @@ namespace sluice {
 // The program's version, the command and its options. All ranks call these, and all throw Error,
 // the same line, when one of them differs.
 void expectSameCommand(Team& team, const CLI::App& app);
-// The volume's step that the scene was opened for, its transfer function, the cameras, and for a
-// cut through levels of resolution the blocks that each picture with these options is drawn from.
+// The step of each volume that the scene was opened for, its transfer function, the cameras, and
+// for a cut through levels of resolution the blocks that each picture with these options is drawn
+// from.
 void expectSameScene(Team& team, Scene& scene, std::span<const Camera> cameras,
                      const FrameOptions& options);
-// The same for another step of the scene's series.
-void expectSameStep(Team& team, const Scene& scene, const TimeStep& step);
+// The same for another step of the scene's series, of each layer.
+void expectSameStep(Team& team, const Scene& scene, const std::vector<TimeStep>& steps);
 
 }  // namespace sluice

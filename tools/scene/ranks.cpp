@@ -21,6 +21,7 @@ namespace sluice {
 namespace {
 
 using nlohmann::json;
+using nlohmann::literals::operator""_json_pointer;
 
 // The host and the processors of this process: ranks with the same text share them.
 std::string placeOfProcess() {
@@ -103,21 +104,20 @@ void shareMachine(Team& team, ResourceArguments& resources) {
   if (!team.isFirst()) resources.quiet = true;
 }
 
-json rankJson(const json& report, const RankShare& share) {
-  const CompositingReport& parts = share.report();
+json rankJson(const json& report, const CompositingReport& parts) {
   json rank{
       {"part_bytes", parts.part_bytes},           {"sent_bytes", parts.sent_bytes},
       {"received_bytes", parts.received_bytes},   {"exchange_seconds", parts.exchange_seconds},
       {"compose_seconds", parts.compose_seconds}, {"gather_seconds", parts.gather_seconds}};
-  for (const char* name : {"frames", "levels", "memory_bytes", "part_memory_bytes",
+  for (const char* name : {"frames", "channels", "levels", "memory_bytes", "part_memory_bytes",
                            "peak_rss_bytes", "peak_anonymous_bytes", "device"})
     if (report.contains(name)) rank[name] = report[name];
   rank["host"] = hostOf(placeOfProcess());
   return rank;
 }
 
-void gatherReport(Team& team, const RankShare& share, json& report) {
-  const std::string mine = rankJson(report, share).dump();
+void gatherReport(Team& team, const CompositingReport& parts, json& report) {
+  const std::string mine = rankJson(report, parts).dump();
   const std::vector<Message> all = team.gather(asMessage(mine));
   if (!team.isFirst()) return;
   json ranks = json::array();
@@ -130,19 +130,30 @@ void gatherReport(Team& team, const RankShare& share, json& report) {
     for (const json& rank : ranks) sum += of(rank).template get<uint64_t>();
     to = sum;
   };
-  for (size_t i = 0; i < report["frames"].size(); ++i) {
-    json& frame = report["frames"][i];
+  // `at`: of a frame, or of one of its channels, in the report of each rank.
+  const auto sumUpWork = [&](const json::json_pointer& at) {
+    json& work = report[at];
     for (const char* kind : {"grey", "black"})
-      sumUp(frame["blocks"][kind],
-            [&](const json& rank) { return rank["frames"][i]["blocks"][kind]; });
+      sumUp(work["blocks"][kind], [&](const json& rank) { return rank[at]["blocks"][kind]; });
     for (const char* name :
          {"samples_drawn", "samples_taken", "samples_object", "boxes_drawn", "chunks", "pages",
           "pages_loaded", "decoded_bytes", "copied_bytes", "uploaded_bytes"})
-      sumUp(frame[name], [&](const json& rank) { return rank["frames"][i][name]; });
+      if (work.contains(name)) sumUp(work[name], [&](const json& rank) { return rank[at][name]; });
+  };
+  for (size_t i = 0; i < report["frames"].size(); ++i) {
+    const json::json_pointer frame = "/frames"_json_pointer / i;
+    sumUpWork(frame);
+    if (!report[frame].contains("channels")) continue;
+    for (size_t c = 0; c < report[frame]["channels"].size(); ++c) sumUpWork(frame / "channels" / c);
   }
   if (!report["frames"].empty()) report["blocks"] = report["frames"].back()["blocks"];
-  sumUp(report["levels"]["disk"]["read_bytes"],
-        [](const json& rank) { return rank["levels"]["disk"]["read_bytes"]; });
+  const auto sumUpReads = [&](const json::json_pointer& at) {
+    sumUp(report[at], [&](const json& rank) { return rank[at]; });
+  };
+  sumUpReads("/levels/disk/read_bytes"_json_pointer);
+  if (report.contains("channels"))
+    for (size_t c = 0; c < report["channels"].size(); ++c)
+      sumUpReads("/channels"_json_pointer / c / "read_bytes");
   report["ranks"] = std::move(ranks);
 }
 

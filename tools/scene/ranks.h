@@ -8,8 +8,8 @@
 
 #include <functional>
 
+#include "src/parallel/compositing.h"
 #include "src/parallel/mpi_ranks.h"
-#include "src/parallel/rank_share.h"
 #include "src/parallel/team.h"
 #include "tools/options/arguments.h"
 
@@ -33,8 +33,8 @@ int refuseTogether(const Launch& launch, const std::string& line, int status);
 void shareMachine(Team& team, ResourceArguments& resources);
 
 // A rank's part of a report, and the ranks' sums of blocks, samples and bytes.
-nlohmann::json rankJson(const nlohmann::json& report, const RankShare& share);
+nlohmann::json rankJson(const nlohmann::json& report, const CompositingReport& parts);
 // `report` is rank 0's of a scene; puts sums in its frames and `ranks`. All call; gives rank 0's.
-void gatherReport(Team& team, const RankShare& share, nlohmann::json& report);
+void gatherReport(Team& team, const CompositingReport& parts, nlohmann::json& report);
 
 }  // namespace sluice

@@ -94,7 +94,8 @@ CullingOptions cullingOptions(Culling culling, const FrameOptions& frame,
 Series::Series(Scene& scene, const CullingArguments& culling, const ResourceArguments& resources,
                const FrameOptions& frame)
     : scene_(scene), frame_(frame), is_auto_(culling.culling == Culling::kAuto) {
-  if (scene.share) scene.share->dealEachPicture(scene.volume.source->layout().time_steps > 1);
+  for (Layer* layer : scene.layers())
+    if (layer->share) layer->share->dealEachPicture(layer->volume.source->layout().time_steps > 1);
   if (culling.culling != Culling::kNone && !scene.more.empty())
     failRequest("{}: --culling looks at one channel, {}", scene.volume.name, scene.notOneChannel());
   if (is_auto_ && scene.share)
@@ -176,7 +177,7 @@ std::vector<TimeStep> Series::steps(int64_t time) {
                                    {scene_.pool, progress, scene_.memory_bytes, interruption()}));
   });
   if (scene_.share && time != scene_.volume.time)
-    expectSameStep(scene_.share->team(), scene_, steps.front());
+    expectSameStep(scene_.share->team(), scene_, steps);
   return steps;
 }
 

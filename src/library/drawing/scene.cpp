@@ -67,14 +67,13 @@ Scene::Scene(SceneInputs inputs, const LookArguments& asked_look, const FrameOpt
   for (Layer* layer : layers()) layer->look = lookFor(layer->volume, asked, frame.mode);
   drawn_look = lookText();
   if (inputs.team != nullptr) {
-    if (!more.empty())
-      failRequest("{}: several ranks draw one channel, {}", volume.name, notOneChannel());
-    const int level = frame.cut ? frame.cut->level.value_or(0) : 0;
-    const Dealing dealing = inputs.lent != nullptr
-                                ? dealLent(std::move(inputs.lent))
-                                : dealBlocks(volume.step().layout(), inputs.team->ranks(), level);
-    part_bytes = partBytes(frame.size, dealing, memory_bytes);
-    share = std::make_unique<RankShare>(*inputs.team, dealing, pool, part_bytes);
+    if (blends())
+      failRequest(
+          "--combine blend needs a single process, not {} ranks; leave out --combine, which adds "
+          "the channels' pictures",
+          inputs.team->ranks());
+    for (Layer* layer : layers())
+      shareAmong(*inputs.team, inputs.lent, *layer, optionsOf(*layer, frame));
     device = share->deviceFrom(std::move(device));
   }
   openSession(frame, 0);
@@ -102,6 +101,16 @@ std::vector<const Layer*> Scene::layers() const {
   return all;
 }
 
+void Scene::shareAmong(Team& team, std::shared_ptr<const LentBoxes> lent, Layer& layer,
+                       const FrameOptions& frame) {
+  const int level = frame.cut ? frame.cut->level.value_or(0) : 0;
+  const Dealing dealing = lent != nullptr
+                              ? dealLent(std::move(lent))
+                              : dealBlocks(layer.volume.step().layout(), team.ranks(), level);
+  layer.part_bytes = partBytes(frame.size, dealing, memoryBudget(layer.machine));
+  layer.share = std::make_unique<RankShare>(team, dealing, pool, layer.part_bytes);
+}
+
 void Scene::openSession(const FrameOptions& frame, uint64_t more_bytes) {
   for (Layer* layer : layers()) layer->session.reset();
   try {
@@ -116,7 +125,6 @@ void Scene::openSession(const FrameOptions& frame, uint64_t more_bytes) {
     for (Layer* opened : layers()) opened->session.reset();  // none outlives the device
     failOfShare(error, layers().size());
   }
-  chooseBlocksBy(nullptr);
 }
 
 void Scene::shareOut(Layer& layer, const FrameOptions& frame, uint64_t more_bytes) {
@@ -124,9 +132,10 @@ void Scene::shareOut(Layer& layer, const FrameOptions& frame, uint64_t more_byte
   const uint64_t others_bytes = othersBytes(of, layer.look.transfer, frame, pool) + more_bytes;
   BesideShare beside =
       besideShare(of, layer.machine, frame.partition, pictureDemand(machine, frame), others_bytes);
-  if (share) {
-    beside.beside_bytes = others_bytes + composedBytes(part_bytes, frame.size, memory_bytes);
-    beside.pages = pageCount(machine, volume, beside.beside_bytes);
+  if (layer.share) {
+    beside.beside_bytes =
+        others_bytes + composedBytes(layer.part_bytes, frame.size, memoryBudget(layer.machine));
+    beside.pages = pageCount(layer.machine, of, beside.beside_bytes);
   } else {
     layer.part_bytes = beside.picture_bytes;
   }
@@ -142,6 +151,7 @@ void Scene::openSession(Layer& layer, Partition partition) {
   options.beside_bytes = layer.beside_bytes;
   layer.session = std::make_unique<Session>(of.step(), *device, pool, options);
   layer.session->setTransferFunction(layer.look.transfer);
+  if (layer.share) layer.session->chooseBlocksBy(layer.share->chooserFrom(nullptr));
 }
 
 void Scene::setLook(const LookArguments& asked_look, Mode mode) {
@@ -274,15 +284,22 @@ SceneFrame Scene::draw(const std::vector<PictureRows>& strips,
 Frame Scene::frame(std::vector<LayerFrame>* of_layers) {
   std::vector<LayerFrame> own;
   if (of_layers == nullptr) of_layers = &own;
+  composited = {};
   if (blends()) return drawBlended(*of_layers);
   if (!more.empty()) return drawLayers(*of_layers);
-  Frame frame = session->frame();
-  if (share) frame.picture = share->picture();
+  Frame frame = nextFrame(*this);
   *of_layers = {{frame.report, !showsNothing(frame.picture)}};
-  if (!share) return frame;
+  return frame;
+}
+
+Frame Scene::nextFrame(Layer& layer) {
+  if (!layer.share) return layer.session->frame();
+  layer.share->drawOn(share->device());
+  Frame frame = layer.session->frame();
+  frame.picture = layer.share->picture();
   if (frame.report.cut) frame.report.cut->spread.reset();  // of this rank's blocks alone
-  const CompositingReport& parts = share->report();
-  frame.report.seconds += parts.exchange_seconds + parts.compose_seconds + parts.gather_seconds;
+  frame.report.seconds += layer.share->report().seconds();
+  composited += layer.share->report();
   return frame;
 }
 

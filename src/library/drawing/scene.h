@@ -4,7 +4,8 @@
 // A picture may show several channels of the volume. Each is a layer: a source of its own with its
 // look and session, drawn as an ordinary frame from the same camera. The picture is the sum of the
 // layers' pictures (added_pictures.h), or one in which all layers are blended sample by sample
-// (blended_frame.h). The memory is shared out evenly among the layers.
+// (blended_frame.h). The memory is shared out evenly among the layers. If several ranks draw, they
+// share out the blocks of each layer and compose each layer's picture, and rank 0 adds these.
 //
 // Used on one thread, the device's; workers of the pool run inside the calls.
 #pragma once
@@ -25,6 +26,7 @@
 #include "src/library/drawing/picture_memory.h"
 #include "src/library/drawing/resources.h"
 #include "src/library/opening/indexed_volume.h"
+#include "src/parallel/compositing.h"
 #include "src/parallel/rank_share.h"
 #include "src/render/session/session.h"
 
@@ -77,6 +79,7 @@ struct Layer {
   // pictures, and of a series its opacity functions and what culling keeps.
   uint64_t beside_bytes = 0;
   ChosenLook look;
+  std::unique_ptr<RankShare> share;  // null: this process draws alone
   std::unique_ptr<Session> session;  // null after a comparison took its memory
 };
 
@@ -184,17 +187,25 @@ struct Scene : Layer {
   LookArguments asked;                // the look of all layers
   std::string drawn_look;             // lookOf() the frames that are drawn, for whoever keeps it
   uint64_t peak_anonymous_bytes = 0;  // at the calls of noteMemory()
-  std::unique_ptr<RankShare> share;   // null: alone
+  CompositingReport composited;       // with several ranks: of the last frame, all layers
   std::unique_ptr<Device> device;
   std::unique_ptr<TraceWriter> trace;
   std::vector<std::unique_ptr<Layer>> more;  // the further layers; their sessions end first
 
  private:
+  // Makes the layer's share of what these ranks draw.
+  void shareAmong(Team& team, std::shared_ptr<const LentBoxes> lent, Layer& layer,
+                  const FrameOptions& frame);
   // Sets a layer's pages and what is held beside the levels.
   void shareOut(Layer& layer, const FrameOptions& frame, uint64_t more_bytes);
   void openSession(Layer& layer, Partition partition);
   // The same of the layers, which the device has to draw.
   void requireBlendable(const LookArguments& look, const FrameOptions& options) const;
+  // The layer's next frame. With several ranks, rank 0 gets the picture that all have composed.
+  Frame nextFrame(Layer& layer);
+  // The reports of the layers of which no block shows anything, on all ranks alike; nullopt for
+  // those that have to be drawn.
+  std::vector<std::optional<FrameReport>> layersWithoutBlocks();
   // The sum of the layers' next frames.
   Frame drawLayers(std::vector<LayerFrame>& parts);
   // The layers' next frame, blended.

@@ -32,6 +32,17 @@ int64_t pagesOfBlock(const IndexedVolume& volume, const PageGeometry& page) {
   return page.pagesOf(Vec3i{side, side, side});
 }
 
+// Keeps the reports that every rank has.
+void keepCommon(Team& team, std::vector<std::optional<FrameReport>>& reports) {
+  Message mine;
+  for (const auto& report : reports) mine.push_back(std::byte{report.has_value()});
+  for (const Message& other : team.gatherAll(mine)) {
+    SLUICE_CHECK_EQ(other.size(), mine.size());
+    for (size_t i = 0; i < reports.size(); ++i)
+      if (other[i] == std::byte{0}) reports[i].reset();
+  }
+}
+
 }  // namespace
 
 void evenOutPages(const std::vector<std::pair<const IndexedVolume*, PageGeometry*>>& pages) {
@@ -154,21 +165,29 @@ Frame Scene::drawOnly(const Session::Parts& made, std::vector<LayerFrame>& parts
   return frame;
 }
 
+std::vector<std::optional<FrameReport>> Scene::layersWithoutBlocks() {
+  std::vector<std::optional<FrameReport>> reports;
+  for (Layer* layer : layers()) reports.push_back(layer->session->withoutBlocks());
+  // A rank may have no block of a layer that others have blocks of, and then composes its picture
+  // with them.
+  if (share) keepCommon(share->team(), reports);
+  return reports;
+}
+
 Frame Scene::drawLayers(std::vector<LayerFrame>& parts) {
   const Stopwatch watch;
   const std::vector<Layer*> all = layers();
+  const std::vector<std::optional<FrameReport>> without_blocks = layersWithoutBlocks();
   parts.resize(all.size());
   std::optional<Frame> sum;
   for (size_t i = 0; i < all.size(); ++i) {
-    Session& of_layer = *all[i]->session;
     LayerFrame& part = parts[i];
     // A layer without blocks costs no picture, but the last one gives it if no other does.
-    const std::optional<FrameReport> without_blocks = of_layer.withoutBlocks();
-    if (without_blocks && (sum || i + 1 < all.size())) {
-      part.report = *without_blocks;
+    if (without_blocks[i] && (sum || i + 1 < all.size())) {
+      part.report = *without_blocks[i];
       continue;
     }
-    Frame next = of_layer.frame();
+    Frame next = nextFrame(*all[i]);
     toUnitOf(volume.source->layout(), all[i]->volume.source->layout(), next.picture.depth);
     part = {next.report, !showsNothing(next.picture)};
     if (!sum) {
