@@ -92,6 +92,25 @@ TEST_P(RanksChannels, drawASecondVolumeOnAGridOfItsOwn) {
     expectSame(options);
 }
 
+TEST_P(RanksChannels, blendThePictureOfOneProcess) {
+  ASSERT_NO_FATAL_FAILURE(writeCells({"."}));
+  if (IsSkipped()) return;
+  // Some ranks have no block of the spots, and nobody has one of channel 1 in the last picture.
+  for (const char* options : {"--block 16", "--block 16 --shade --projection perspective",
+                              "--block 8 --look 2:red,5120:5300",
+                              "--block 16 --algorithm conventional --look 1:,60000:65000"})
+    expectSame(fmt::format("cells.ome.zarr --combine blend --page 16x16x16 {}", options));
+}
+
+TEST_P(RanksChannels, blendASecondVolumeWithTheFirst) {
+  expectSame(
+      "synth:phantom,dims=60x64x68 --over synth:parts,dims=60x64x68 --combine blend --block 8");
+  // Blended pictures are of the finest level, which all channels deal alike.
+  expectSame(
+      "synth:phantom,dims=60x64x68,levels=3 --over synth:shells,dims=60x64x68,levels=3 "
+      "--combine blend --block 8");
+}
+
 // A rank that decided for itself to leave a channel out would not meet the others.
 TEST_P(RanksChannels, composeAChannelThatOneRankAloneHas) {
   const std::string picture =
@@ -131,19 +150,22 @@ TEST_P(RanksChannels, leaveOutChannelsThatShowNothing) {
   EXPECT_EQ(occurrences(none.output, "b.png shows nothing: "), 1) << none.output;
 }
 
-TEST_P(RanksChannels, drawASeriesOverAVolumeOfOneStep) {
+TEST_P(RanksChannels, drawASeriesTogetherWithAVolumeOfOneStep) {
   ASSERT_EQ(program_.run("synth mixing -o mix_%03d.nrrd --dims 40,40,40 --steps 3 -q").status, 0);
-  const std::string series =
-      "render mix_%03d.nrrd --threshold 100 --over synth:parts,dims=24x24x24 --time 0:2 --block 8 "
-      "--size 60 ";
-  ASSERT_EQ(program_.run(series + "-o one_%d.png -q").status, 0);
-  const CommandResult run = onRanks(3, series + "-o many_%d.png -q");
-  ASSERT_EQ(run.status, 0) << run.output;
-  for (int step = 0; step < 3; ++step)
-    EXPECT_LE(pictureDifference(program_.folder / fmt::format("one_{}.png", step),
-                                program_.folder / fmt::format("many_{}.png", step)),
-              1)
-        << step;
+  for (const char* over :
+       {"--over synth:parts,dims=24x24x24", "--over synth:shells,dims=40x40x40 --combine blend"}) {
+    SCOPED_TRACE(over);
+    const std::string series = fmt::format(
+        "render mix_%03d.nrrd --threshold 100 {} --time 0:2 --block 8 --size 60 ", over);
+    ASSERT_EQ(program_.run(series + "-o one_%d.png -q --force").status, 0);
+    const CommandResult run = onRanks(3, series + "-o many_%d.png -q --force");
+    ASSERT_EQ(run.status, 0) << run.output;
+    for (int step = 0; step < 3; ++step)
+      EXPECT_LE(pictureDifference(program_.folder / fmt::format("one_{}.png", step),
+                                  program_.folder / fmt::format("many_{}.png", step)),
+                1)
+          << step;
+  }
 }
 
 TEST_P(RanksChannels, keepToTheirOwnBudgets) {

@@ -94,8 +94,11 @@ CullingOptions cullingOptions(Culling culling, const FrameOptions& frame,
 Series::Series(Scene& scene, const CullingArguments& culling, const ResourceArguments& resources,
                const FrameOptions& frame)
     : scene_(scene), frame_(frame), is_auto_(culling.culling == Culling::kAuto) {
+  // Visible blocks differ from channel to channel, so blended ones are dealt as the volume is.
   for (Layer* layer : scene.layers())
-    if (layer->share) layer->share->dealEachPicture(layer->volume.source->layout().time_steps > 1);
+    if (layer->share)
+      layer->share->dealEachPicture(!scene.blends() &&
+                                    layer->volume.source->layout().time_steps > 1);
   if (culling.culling != Culling::kNone && !scene.more.empty())
     failRequest("{}: --culling looks at one channel, {}", scene.volume.name, scene.notOneChannel());
   if (is_auto_ && scene.share)

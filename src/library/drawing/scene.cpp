@@ -67,11 +67,6 @@ Scene::Scene(SceneInputs inputs, const LookArguments& asked_look, const FrameOpt
   for (Layer* layer : layers()) layer->look = lookFor(layer->volume, asked, frame.mode);
   drawn_look = lookText();
   if (inputs.team != nullptr) {
-    if (blends())
-      failRequest(
-          "--combine blend needs a single process, not {} ranks; leave out --combine, which adds "
-          "the channels' pictures",
-          inputs.team->ranks());
     for (Layer* layer : layers())
       shareAmong(*inputs.team, inputs.lent, *layer, optionsOf(*layer, frame));
     device = share->deviceFrom(std::move(device));
@@ -104,9 +99,10 @@ std::vector<const Layer*> Scene::layers() const {
 void Scene::shareAmong(Team& team, std::shared_ptr<const LentBoxes> lent, Layer& layer,
                        const FrameOptions& frame) {
   const int level = frame.cut ? frame.cut->level.value_or(0) : 0;
-  const Dealing dealing = lent != nullptr
-                              ? dealLent(std::move(lent))
-                              : dealBlocks(layer.volume.step().layout(), team.ranks(), level);
+  // A rank has all channels of a block that are blended there.
+  const IndexedVolume& dealt = blends() ? volume : layer.volume;
+  const Dealing dealing = lent != nullptr ? dealLent(std::move(lent))
+                                          : dealBlocks(dealt.step().layout(), team.ranks(), level);
   layer.part_bytes = partBytes(frame.size, dealing, memoryBudget(layer.machine));
   layer.share = std::make_unique<RankShare>(team, dealing, pool, layer.part_bytes);
 }
@@ -293,9 +289,13 @@ Frame Scene::frame(std::vector<LayerFrame>* of_layers) {
 }
 
 Frame Scene::nextFrame(Layer& layer) {
-  if (!layer.share) return layer.session->frame();
+  return composed(layer, [&] { return layer.session->frame(); });
+}
+
+Frame Scene::composed(Layer& layer, const std::function<Frame()>& draw_own) {
+  if (!layer.share) return draw_own();
   layer.share->drawOn(share->device());
-  Frame frame = layer.session->frame();
+  Frame frame = draw_own();
   frame.picture = layer.share->picture();
   if (frame.report.cut) frame.report.cut->spread.reset();  // of this rank's blocks alone
   frame.report.seconds += layer.share->report().seconds();

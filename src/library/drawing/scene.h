@@ -5,7 +5,8 @@
 // look and session, drawn as an ordinary frame from the same camera. The picture is the sum of the
 // layers' pictures (added_pictures.h), or one in which all layers are blended sample by sample
 // (blended_frame.h). The memory is shared out evenly among the layers. If several ranks draw, they
-// share out the blocks of each layer and compose each layer's picture, and rank 0 adds these.
+// share out the blocks of each layer and compose each layer's picture, and rank 0 adds these. Of
+// layers that are blended, a rank has the same blocks, and the blended picture is composed.
 //
 // Used on one thread, the device's; workers of the pool run inside the calls.
 #pragma once
@@ -173,7 +174,8 @@ struct Scene : Layer {
   std::vector<Layer*> layers();
   // Whether its layers are blended.
   bool blends() const { return asked.combine == Combine::kBlend && !more.empty(); }
-  // Whether its layers are blended from one cut through their levels of resolution.
+  // Whether its layers are blended from one cut through their levels of resolution: if they can be,
+  // and not on several ranks.
   bool blendsLevels(const FrameOptions& options) const;
   // "not 3; give one --channel", for messages about several layers.
   std::string notOneChannel() const;
@@ -201,8 +203,11 @@ struct Scene : Layer {
   void openSession(Layer& layer, Partition partition);
   // The same of the layers, which the device has to draw.
   void requireBlendable(const LookArguments& look, const FrameOptions& options) const;
-  // The layer's next frame. With several ranks, rank 0 gets the picture that all have composed.
+  // The layer's next frame, composed.
   Frame nextFrame(Layer& layer);
+  // The frame that `draw_own` draws. With several ranks, it draws the layer's share of it, and rank
+  // 0 gets the picture that all have composed.
+  Frame composed(Layer& layer, const std::function<Frame()>& draw_own);
   // The reports of the layers of which no block shows anything, on all ranks alike; nullopt for
   // those that have to be drawn.
   std::vector<std::optional<FrameReport>> layersWithoutBlocks();
@@ -210,8 +215,9 @@ struct Scene : Layer {
   Frame drawLayers(std::vector<LayerFrame>& parts);
   // The layers' next frame, blended.
   Frame drawBlended(std::vector<LayerFrame>& parts);
-  // The same if one layer has blocks.
-  Frame drawOnly(const Session::Parts& made, std::vector<LayerFrame>& parts);
+  // The same of the only layer that has blocks; of the others, the reports.
+  Frame drawOnly(const std::vector<std::optional<FrameReport>>& without_blocks,
+                 std::vector<LayerFrame>& parts);
 };
 
 // Throws an Error about a lack of memory again, and tells if so many channels share the memory.

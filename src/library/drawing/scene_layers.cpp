@@ -93,6 +93,7 @@ bool haveOneCut(const FrameOptions& options, const std::vector<LayerLook>& layer
 }
 
 bool Scene::blendsLevels(const FrameOptions& options) const {
+  if (share) return false;  // each rank chooses its blocks of each layer by itself
   std::vector<LayerLook> looks;
   for (const Layer* layer : layers()) looks.push_back({&layer->volume, &layer->look.transfer});
   return haveOneCut(options, looks);
@@ -135,29 +136,36 @@ Frame Scene::drawBlended(std::vector<LayerFrame>& parts) {
   std::vector<Session*> sessions;
   for (Layer* layer : layers()) sessions.push_back(layer->session.get());
   const Session::Parts made = Session::parts(sessions);
-  const auto has_blocks = [](const Session::Part& part) { return !part.visible->blocks.empty(); };
+  std::vector<std::optional<FrameReport>> without_blocks;
+  for (const Session::Part& part : made.of_sessions)
+    without_blocks.push_back(
+        part.visible->blocks.empty()
+            ? std::optional(reportWithoutBlocks(*part.visible, part.options.step_vox))
+            : std::nullopt);
+  if (share) keepCommon(share->team(), without_blocks);
   // A medium of one channel is that channel's own frame.
-  if (std::ranges::count_if(made.of_sessions, has_blocks) == 1) return drawOnly(made, parts);
+  if (std::ranges::count(without_blocks, std::nullopt) == 1) return drawOnly(without_blocks, parts);
   std::vector<FrameReport> reports;
-  Frame frame = blendedFrame(made, *device, reports);
+  Frame frame = composed(*this, [&] { return blendedFrame(made, *device, reports); });
   parts.clear();
   const bool shows = !showsNothing(frame.picture);
-  for (const FrameReport& report : reports)
-    parts.push_back({report, shows && report.grey + report.black > 0});
+  for (size_t i = 0; i < reports.size(); ++i)
+    parts.push_back({reports[i], shows && !without_blocks[i]});
   return frame;
 }
 
-Frame Scene::drawOnly(const Session::Parts& made, std::vector<LayerFrame>& parts) {
+Frame Scene::drawOnly(const std::vector<std::optional<FrameReport>>& without_blocks,
+                      std::vector<LayerFrame>& parts) {
   Frame frame;
   parts.clear();
-  for (size_t i = 0; i < made.of_sessions.size(); ++i) {
-    const Session::Part& part = made.of_sessions[i];
-    if (part.visible->blocks.empty()) {
-      parts.push_back({reportWithoutBlocks(*part.visible, part.options.step_vox), false});
+  for (size_t i = 0; i < without_blocks.size(); ++i) {
+    if (without_blocks[i]) {
+      parts.push_back({*without_blocks[i], false});
       continue;
     }
-    frame = part.session->frame();
-    toUnitOf(volume.source->layout(), layers()[i]->volume.source->layout(), frame.picture.depth);
+    Layer& layer = *layers()[i];
+    frame = nextFrame(layer);
+    toUnitOf(volume.source->layout(), layer.volume.source->layout(), frame.picture.depth);
     parts.push_back({frame.report, !showsNothing(frame.picture)});
   }
   frame.report = parts.front().report;
