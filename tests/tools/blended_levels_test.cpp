@@ -16,8 +16,8 @@ using testing::HasSubstr;
 class BlendedLevels : public testing::Test {
  protected:
   void SetUp() override {
-    run("pack synth:phantom,dims=160x160x160 -o scan.zarr --levels 3 --block 32 --quiet");
-    run("pack synth:parts,dims=160x160x160 -o parts.zarr --levels 3 --downsample mode --block 32 "
+    run("pack synth:phantom,dims=160x160x160 -o scan.zarr --levels 3 --quiet");
+    run("pack synth:parts,dims=160x160x160 -o parts.zarr --levels 3 --downsample mode "
         "--quiet");
   }
   void run(const std::string& arguments) const {
@@ -32,7 +32,7 @@ class BlendedLevels : public testing::Test {
 };
 
 constexpr const char* kBoth =
-    " scan.zarr --over parts.zarr --combine blend --look over:labels,0.3 --size 160x140 ";
+    " scan.zarr --over parts.zarr --combine blend --look over:labels,0.3 --size 160x140 --block 32 ";
 
 // The counts of each channel, which come from one cut.
 TEST_F(BlendedLevels, aPlanIsThatOfThePicture) {
@@ -79,7 +79,7 @@ TEST_F(BlendedLevels, withOneThatShowsNothingItIsThePictureOfTheOther) {
 
 // Levels of one volume alone are not used, whichever has them.
 TEST_F(BlendedLevels, withLevelsOfOneAloneTheFinestIsBlended) {
-  run("pack synth:phantom,dims=160x160x160 -o flat.zarr --levels none --block 32 --quiet");
+  run("pack synth:phantom,dims=160x160x160 -o flat.zarr --levels none --quiet");
   const std::string look =
       " --combine blend --look over:labels,0.3 --size 160x140 --shade --force ";
   run("render flat.zarr --over parts.zarr --pixel-error 4 -o flat.png" + look);

@@ -144,7 +144,9 @@ Frame Scene::drawBlended(std::vector<LayerFrame>& parts) {
             : std::nullopt);
   if (share) keepCommon(share->team(), without_blocks);
   // A medium of one channel is that channel's own frame.
-  if (std::ranges::count(without_blocks, std::nullopt) == 1) return drawOnly(without_blocks, parts);
+  const auto has_blocks = [](const std::optional<FrameReport>& without) { return !without; };
+  if (std::ranges::count_if(without_blocks, has_blocks) == 1)
+    return drawOnly(without_blocks, parts);
   std::vector<FrameReport> reports;
   Frame frame = composed(*this, [&] { return blendedFrame(made, *device, reports); });
   parts.clear();
