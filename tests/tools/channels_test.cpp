@@ -342,6 +342,36 @@ TEST_F(Channels, packedVolumeLooksTheSame) {
   EXPECT_LE(difference("sum a.png b.png"), 1);
 }
 
+TEST_F(Channels, aRowOfPicturesShowsAllInEachOfThem) {
+  ASSERT_EQ(program_.run("pack cells.ome.zarr -o p.zarr --chunk 16 --levels 2").status, 0);
+  for (const char* mode : {"composite", "mip --downsample max"}) {
+    SCOPED_TRACE(mode);
+    std::string render_mode = mode;
+    if (render_mode != "composite") {
+      ASSERT_EQ(program_.run("pack cells.ome.zarr -o m.zarr --chunk 16 --levels 2 --downsample max")
+                    .status,
+                0);
+      render_mode = "mip";
+    }
+    const std::string command =
+        fmt::format("{} --mode {} --fit volume --size 200x160 --background 000000 --force",
+                    render_mode == "mip" ? "m.zarr" : "p.zarr", render_mode);
+    const auto report = program_.json("render " + command + " --progressive -o 'p_#.png'");
+    ASSERT_GE(report["frames"][0]["pictures"].size(), 2);
+    ASSERT_EQ(program_.run("render " + command + " -o whole.png").status, 0);
+    EXPECT_LE(difference("sum whole.png " + report["output"].get<std::string>()), 0);
+    for (const int channel : {0, 1, 2})
+      ASSERT_EQ(program_
+                    .run(fmt::format("render {} --level 2 --channel {} {} {} -o {}.png", command,
+                                     channel, kStoredLooks[static_cast<size_t>(channel)],
+                                     render_mode == "mip" ? "" : "--no-shade", channel))
+                    .status,
+                0);
+    // The sum of the coarsest pictures, each of which is rounded.
+    EXPECT_LE(difference("sum p_0.png 0.png 1.png 2.png"), 2);
+  }
+}
+
 TEST_F(Channels, wrongOnesAreRefusedInOneLine) {
   const std::vector<std::pair<std::string, std::string>> wrong = {
       {"cells.ome.zarr --channel 0,7 -o a.png",
@@ -358,8 +388,9 @@ TEST_F(Channels, wrongOnesAreRefusedInOneLine) {
       {"cells.ome.zarr --look 1:red --look Actin:green -o a.png",
        "sluice: --look Actin:green: channel 1 (Actin) has --look 1:red already; give one of "
        "them\n"},
-      {"cells.ome.zarr --progressive -o a.png",
-       "sluice: cells.ome.zarr: --progressive shows one channel, not 3; give one --channel\n"},
+      {"cells.ome.zarr --progressive --combine blend -o a.png",
+       "sluice: cells.ome.zarr: --combine blend draws the finest level alone; leave out "
+       "--progressive or --combine\n"},
       {"cells.ome.zarr --trace t.csv -o a.png",
        "sluice: t.csv: a trace records the texture cache of one channel, not 3; give one "
        "--channel\n"},

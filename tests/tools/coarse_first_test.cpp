@@ -214,6 +214,38 @@ TEST_F(CoarseFirst, eachPictureOfARowIsFinerAndWhole) {
   EXPECT_EQ(readPng(program_.folder / last).rgba, picture().rgba);
 }
 
+// The labels have a level less than the scan, or none.
+TEST_F(CoarseFirst, volumesOfARowGetBetterTogether) {
+  run("pack synth:parts,dims=160x150x140 -o parts.zarr --chunk 16 --levels 2 --downsample mode");
+  run("synth parts --dims 160,150,140 -o parts_160x150x140_uint8.raw");
+  for (const char* over : {"parts.zarr", "parts_160x150x140_uint8.raw"})
+    for (const char* options : {"--pixel-error 0.5", "--level 1", "--time-limit 1000s"}) {
+      SCOPED_TRACE(std::string(over) + " " + options);
+      const std::string command = std::string(kLook) + " --over " + over + " " + options;
+      const json report = program_.json("render v.zarr -o 'p_##.png' --progressive " + command);
+      const json& pictures = report["frames"][0]["pictures"];
+      const std::vector<int> levels = finestLevels(pictures);
+      ASSERT_GE(levels.size(), 2);
+      EXPECT_EQ(levels.front(), 3) << "the coarsest one comes first";
+      EXPECT_EQ(pictures.back()["cut"]["final"], true);
+      EXPECT_EQ(pictures.front()["cut"]["final"], false);
+      ASSERT_EQ(report["frames"][0]["channels"].size(), 2);
+      EXPECT_EQ(report["frames"][0]["channels"][0]["cut"], report["cut"]);
+      EXPECT_EQ(report["frames"][0]["channels"][1]["empty"], false);
+      run("render v.zarr -o x.png " + command);
+      EXPECT_EQ(readPng(program_.folder / report["output"].get<std::string>()).rgba,
+                picture().rgba);
+    }
+  EXPECT_THAT(run(std::string("render v.zarr --over parts.zarr -o x.png --time-limit 0 ") + kLook),
+              HasSubstr("1 picture, the last after"));
+}
+
+TEST_F(CoarseFirst, levelsOfMeansDoNotStandForLabelsOverAScan) {
+  run("pack synth:parts,dims=160x150x140 -o means.zarr --chunk 16 --levels 2 --downsample mean");
+  for (const char* options : {"--progressive", "--pixel-error 4", "--level 3"})
+    run(std::string("render v.zarr --over means.zarr -o x.png ") + kLook + " " + options);
+}
+
 TEST_F(CoarseFirst, aRowWithoutNumbersReplacesItsPicture) {
   const std::string said =
       run(std::string("render v.zarr -o x.png ") + kLook + " --pixel-error 0.5 --progressive");

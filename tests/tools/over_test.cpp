@@ -147,8 +147,8 @@ TEST_F(Over, saysWhatDoesNotFit) {
         Case{"--over steps.nrrd",
              "steps.nrrd: 2 time steps, and scan.nrrd has 1: a volume over "
              "another one has as many, or one"},
-        Case{"--over spot.nrrd --progressive",
-             "--progressive shows one channel, not 2; leave out --over"},
+        Case{"--over spot.nrrd --debug-view --occlusion map",
+             "--debug-view shows one channel, not 2; leave out --over"},
         Case{"--over spot.nrrd --trace t.trace",
              "a trace records the texture cache of one channel, not 2; leave out --over"},
         Case{"--look over:green", "--look over:green: that channel is not shown"},

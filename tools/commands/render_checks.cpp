@@ -8,8 +8,8 @@
 #include "src/base/error.h"
 #include "src/base/values/bytes.h"
 #include "src/library/drawing/picture_memory.h"
+#include "src/library/drawing/refined_frame.h"
 #include "src/library/opening/checked_source.h"
-#include "src/render/blocks/cut_rules.h"
 #include "src/view/state/view_path.h"
 #include "tools/commands/debug_views.h"
 #include "tools/options/picture_checks.h"
@@ -152,15 +152,16 @@ bool reportsParts(const Arguments& arguments) {
 
 bool isRefined(const Arguments& arguments, const Scene& scene) {
   return asksForRefinement(arguments) && !isSeries(arguments) && scene.share == nullptr &&
-         scene.more.empty() &&
-         drawsCut(scene.volume.step(), arguments.frame.cut, arguments.frame.mode,
-                  scene.look.transfer);
+         canRefine(scene, arguments.frame);
 }
 
-void requireOneChannel(const Arguments& arguments, const Scene& scene) {
-  if (scene.more.empty() || !(arguments.progressive || arguments.debug_view)) return;
-  fail("{}: {} shows one channel, {}", scene.volume.name,
-       arguments.progressive ? "--progressive" : "--debug-view", scene.notOneChannel());
+void requireFewChannels(const Arguments& arguments, const Scene& scene) {
+  if (scene.more.empty()) return;
+  if (arguments.debug_view)
+    fail("{}: --debug-view shows one channel, {}", scene.volume.name, scene.notOneChannel());
+  if (arguments.progressive && scene.blends())
+    fail("{}: --combine blend draws the finest level alone; leave out --progressive or --combine",
+         scene.volume.name);
 }
 
 void requireWholePicture(const Arguments& arguments, const Scene& scene) {

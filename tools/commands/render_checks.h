@@ -37,8 +37,8 @@ bool reportsParts(const RenderArguments& arguments);
 // Whether the scene's frames are rows of pictures that get better: a volume of one level has no
 // coarser picture to begin with.
 bool isRefined(const RenderArguments& arguments, const Scene& scene);
-// Throws Error if options that look at one channel are given for a picture of several.
-void requireOneChannel(const RenderArguments& arguments, const Scene& scene);
+// Throws Error for options that a picture of several channels cannot have.
+void requireFewChannels(const RenderArguments& arguments, const Scene& scene);
 // Throws Error if options that look at a whole picture are given for one that is drawn in strips.
 void requireWholePicture(const RenderArguments& arguments, const Scene& scene);
 

@@ -43,6 +43,7 @@ json channelsJson(const std::vector<LayerFrame>& layers) {
          {"decoded_bytes", report.decoded_bytes},
          {"blocks", {{"white", report.white}, {"grey", report.grey}, {"black", report.black}}},
          {"empty", !layer.shows_something}});
+    if (report.cut) channels.back()["cut"] = cutJson(*report.cut);
   }
   return channels;
 }

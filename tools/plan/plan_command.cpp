@@ -13,7 +13,6 @@
 #include "src/base/values/bytes.h"
 #include "src/library/drawing/device_choice.h"
 #include "src/library/drawing/picture_cost.h"
-#include "src/library/drawing/shared_world.h"
 #include "src/library/opening/thick_source.h"
 #include "tools/command_line/console.h"
 #include "tools/command_line/interrupt.h"
@@ -259,7 +258,8 @@ int run(const PlanArguments& asked, const CLI::App& app) {
   const TexelPlace texels = texelPlaceOf(arguments.resources.device, pool);
   const auto argumentsOf = [&](const PlannedChannel& channel) {
     PlanArguments own = share;
-    own.frame = frameOn(channel.volume.source->layout(), first.volume.source->layout(), own.frame);
+    own.frame =
+        frameOfLayer(channel.volume, channel.transfer, first.volume.source->layout(), own.frame);
     own.volume.time = channel.volume.time;
     return own;
   };

@@ -36,6 +36,14 @@ IndexedVolume indexed(ChannelSource opened, const ResourceArguments& resources,
   return volume;
 }
 
+// Whether a volume over another one is drawn as labels by its values, as far as its levels tell
+// before these are read: modes are made of labels.
+bool looksLikeLabels(const ChannelSource& channel, const LookArguments& look) {
+  const auto levels = coarserLevels(*channel.source);
+  return channel.channel.is_over && look.map.empty() && look.opacities.empty() && !levels.empty() &&
+         levels.front().values == LevelValues::kModes;
+}
+
 }  // namespace
 
 IndexedVolume openIndexed(const VolumeArguments& arguments, const ResourceArguments& resources,
@@ -64,8 +72,10 @@ std::vector<IndexedVolume> openIndexedChannels(const VolumeArguments& arguments,
     std::vector<IndexNeeds> needs;
     for (const ChannelSource& channel : opened) {
       FrameOptions own = pictures;
-      if (own.cut && channel.channel.is_over) own.cut->level.reset();
-      needs.push_back(pictureNeeds(lookOfChannel(look, channel.channel), own, finest));
+      if (own.cut && channel.channel.is_over && !blends) own.cut->level.reset();
+      LookArguments own_look = lookOfChannel(look, channel.channel);
+      own_look.labels = own_look.labels || looksLikeLabels(channel, own_look);
+      needs.push_back(pictureNeeds(own_look, own, finest));
     }
     // Blended channels are read in the same blocks.
     if (blends && std::ranges::any_of(needs, &IndexNeeds::gradients))
@@ -126,7 +136,8 @@ bool mustReadFinest(const IndexedVolume& volume, const TransferFunction& transfe
   std::vector<Camera> own(cameras.begin(), cameras.end());
   if (!isSamePlace(layout, first))
     for (Camera& camera : own) camera = cameraOn(layout, first, camera, frame.size);
-  return showsFinest(volume.step(), transfer, frameOn(layout, first, frame), own, pool);
+  return showsFinest(volume.step(), transfer, frameOfLayer(volume, transfer, first, frame), own,
+                     pool);
 }
 
 void fitCameras(std::vector<Camera>& cameras, FitChoice choice, const FitRequest& request,

@@ -1,36 +1,69 @@
 #include "src/library/drawing/refined_frame.h"
 
+#include <algorithm>
 #include <chrono>
 #include <utility>
 
 #include "src/base/error.h"
 #include "src/library/drawing/empty_picture.h"
+#include "src/render/blocks/cut_rules.h"
 
 namespace sluice {
+namespace {
+
+void willImprove(FrameReport& report, std::vector<LayerFrame>& parts) {
+  if (report.cut) report.cut->is_final = false;
+  for (LayerFrame& part : parts)
+    if (part.report.cut) part.report.cut->is_final = false;
+}
+
+}  // namespace
+
+bool canRefine(const Scene& scene, const FrameOptions& options) {
+  return !scene.blends() && std::ranges::any_of(scene.layers(), [&](const Layer* layer) {
+    const FrameOptions own = scene.optionsOf(*layer, options);
+    return drawsCut(layer->volume.step(), own.cut, own.mode, layer->look.transfer);
+  });
+}
 
 RefinedFrame drawRefined(Scene& scene, const FrameOptions& options, bool has_step,
                          Deadline::TimePoint began, std::optional<Deadline::TimePoint> until,
                          const std::function<void(const BetterPicture&)>& take) {
   const TimeStep step = scene.volume.step();
-  const auto step_of = [&](const CutOptions& cut) {
+  const std::vector<Layer*> layers = scene.layers();
+  std::vector<LayerFrame> parts;
+  RefinedPainter painter;
+  painter.step_of = [&](const CutOptions& cut) {
     if (has_step) return options.step_vox;
     FrameOptions of_cut = options;
     of_cut.cut = cut;
     of_cut.time_limit_s.reset();  // the last picture is the one without a limit
     return scene.chosenStep(step, of_cut);
   };
-  Refinement row(*scene.session, {step, scene.look.transfer, scene.pool}, options, step_of, until);
+  painter.options_of = [&](size_t place, const FrameOptions& picture) {
+    return scene.optionsOf(*layers[place], picture);
+  };
+  painter.draw = [&] { return scene.frame(&parts); };
+  std::vector<RefinedLayer> volumes;
+  for (Layer* layer : layers)
+    volumes.push_back({*layer->session, layer->volume.step(), layer->look.transfer});
+  Refinement row(volumes, std::move(painter), options, until, scene.pool);
   RefinedFrame refined;
   std::optional<Frame> last;
   for (int number = 0;; ++number) {
+    std::vector<LayerFrame> earlier_parts = std::move(parts);
     std::optional<Frame> frame = row.next();
-    if (!frame) break;
+    if (!frame) {
+      parts = std::move(earlier_parts);
+      break;
+    }
     if (last) scene.device->reuse(std::move(last->picture));
     last = std::move(frame);
     scene.noteMemory();
     // A sample shows a part of the voxels, whatever the pixel error.
-    if (scene.volume.sample && last->report.cut && last->report.cut->coarse_share > 0)
-      last->report.cut->is_final = false;
+    if (!row.isBest() ||
+        (scene.volume.sample && last->report.cut && last->report.cut->coarse_share > 0))
+      willImprove(last->report, parts);
     refined.options = row.shown();
     const std::chrono::duration<double> since = std::chrono::steady_clock::now() - began;
     refined.pictures.push_back({since.count(), refined.options.step_vox, last->report.cut});
@@ -38,6 +71,7 @@ RefinedFrame drawRefined(Scene& scene, const FrameOptions& options, bool has_ste
   }
   SLUICE_CHECK(last.has_value());
   refined.frame.report = last->report;
+  refined.frame.layers = std::move(parts);
   refined.frame.blocks = last->blocks;
   refined.frame.shows_something = !showsNothing(last->picture);
   refined.frame.whole = std::move(last);

@@ -1,5 +1,6 @@
-// A frame of a volume with several levels as pictures that get better until it is the best or the
-// time is over (src/render/frame/refinement.h). Each is whole; the last one is the frame.
+// A frame of a scene with several levels as pictures that get better until it is the best or the
+// time is over (src/render/frame/refinement.h). Each is whole; the last one is the frame. All
+// layers of the scene get better together.
 #pragma once
 
 #include <functional>
@@ -31,9 +32,13 @@ struct RefinedFrame {
   std::vector<RefinedPicture> pictures;
 };
 
+// Whether frames of the scene with these options can be such a row: a layer has several levels to
+// draw from, and the layers are not blended, which takes the finest level.
+bool canRefine(const Scene& scene, const FrameOptions& options);
+
 // Draws the row. Each picture is passed to `take` as soon as it is there. `began`: where seconds
 // are counted from. `has_step`: the distance between slices is that of the options in all pictures;
-// otherwise it follows from what each shows. Throws Error, Interrupted.
+// otherwise it follows from what each shows. Throws Error, Interrupted. Requires: canRefine().
 RefinedFrame drawRefined(Scene& scene, const FrameOptions& options, bool has_step,
                          Deadline::TimePoint began, std::optional<Deadline::TimePoint> until,
                          const std::function<void(const BetterPicture&)>& take);

@@ -228,6 +228,16 @@ struct Scene : Layer {
 uint64_t othersBytes(const IndexedVolume& volume, const TransferFunction& transfer,
                      const FrameOptions& frame, WorkerPool& pool);
 
+// The cut of a volume in a picture that shows it with others. A level that is asked for is that of
+// the first volume alone, and labels over it are drawn from coarser levels only if these hold
+// labels.
+std::optional<CutOptions> cutOfLayer(const IndexedVolume& volume, const TransferFunction& transfer,
+                                     std::optional<CutOptions> cut);
+// The options of a volume for a frame that shows it with the first one, which has this layout, with
+// cutOfLayer(). Throws as frameOn() does.
+FrameOptions frameOfLayer(const IndexedVolume& volume, const TransferFunction& transfer,
+                          const VolumeLayout& first, const FrameOptions& frame);
+
 // Throws Error if a look blends the volumes and such frames of them cannot be blended.
 void requireBlendable(const LookArguments& look, const FrameOptions& options,
                       const std::vector<const IndexedVolume*>& volumes);

@@ -53,20 +53,37 @@ void evenOutPages(const std::vector<std::pair<const IndexedVolume*, PageGeometry
     page->pages = std::max<int64_t>(1, blocks) * pagesOfBlock(*volume, *page);
 }
 
+FrameOptions frameOfLayer(const IndexedVolume& volume, const TransferFunction& transfer,
+                          const VolumeLayout& first, const FrameOptions& frame) {
+  FrameOptions own = frameOn(volume.source->layout(), first, frame);
+  own.cut = cutOfLayer(volume, transfer, frame.cut);
+  return own;
+}
+
+std::optional<CutOptions> cutOfLayer(const IndexedVolume& volume, const TransferFunction& transfer,
+                                     std::optional<CutOptions> cut) {
+  if (!cut || !volume.channel.is_over) return cut;
+  cut->level.reset();
+  if (transfer.labels) cut->is_default = true;
+  return cut;
+}
+
 FrameOptions Scene::optionsOf(const Layer& layer, const FrameOptions& options) const {
   if (more.empty()) return options;
   const auto all = layers();
   const auto place = static_cast<uint64_t>(std::ranges::find(all, &layer) - all.begin());
   // A session that is opened before its pictures have a size has no view yet.
   const bool has_view = options.size.width > 0 && options.size.height > 0;
-  const VolumeLayout& layout = layer.volume.source->layout();
-  FrameOptions own = has_view ? frameOn(layout, volume.source->layout(), options) : options;
+  FrameOptions own =
+      has_view ? frameOfLayer(layer.volume, layer.look.transfer, volume.source->layout(), options)
+               : options;
   own.shades = layer.look.lit;
   if (look.flat_scale > 0) own.lighting.flat_share *= layer.look.flat_scale / look.flat_scale;
   // Blocks of a cut are shared out, and waiting is, too, unless all layers are drawn together.
   if (own.cut) own.cut->most_held_bytes /= all.size();
   if (blends()) {
     if (!blendsLevels(options)) own.cut.reset();
+    if (own.cut) own.cut->level = options.cut->level;
     own.integrates = false;
     return own;
   }
@@ -88,7 +105,8 @@ bool haveOneCut(const FrameOptions& options, const std::vector<LayerLook>& layer
     const IndexedVolume& volume = *layer.volume;
     return volume.pyramid != nullptr && first.pyramid != nullptr &&
            areAlike(*volume.pyramid, *first.pyramid) &&
-           drawsCut(volume.step(), options.cut, options.mode, *layer.transfer);
+           drawsCut(volume.step(), cutOfLayer(volume, *layer.transfer, options.cut), options.mode,
+                    *layer.transfer);
   });
 }
 

@@ -1,11 +1,13 @@
 #include "src/render/frame/refinement.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <utility>
 
 #include "src/base/error.h"
 #include "src/base/threads/clock.h"
+#include "src/render/blocks/cut_rules.h"
 
 namespace sluice {
 namespace {
@@ -23,22 +25,17 @@ constexpr double kLeastBytesPerSecond = 150e6;
 // cut cost little.
 constexpr int kMorePixelErrors = 6;
 
-// Cuts from the coarsest level to `last`, each about a level finer than the one before.
-std::vector<CutOptions> cutsTo(const CutOptions& last, int levels) {
+// Cuts from the coarsest of so many levels to `last`, each about a level finer than the one before.
+// `named`: the levels of the volume whose level `last` may name.
+std::vector<CutOptions> cutsTo(const CutOptions& last, int levels, int named) {
   std::vector<CutOptions> cuts;
+  const int finer_steps = last.level ? levels - 1 - *last.level : levels + kMorePixelErrors + 1;
   CutOptions cut = last;
-  if (last.level) {
-    for (int level = levels - 1; level > *last.level; --level) {
-      cut.level = level;
-      cuts.push_back(cut);
-    }
-  } else {
-    cut.pixel_error = std::numeric_limits<double>::infinity();
+  for (int finer = finer_steps; finer > 0; --finer) {
+    if (last.level) cut.level = std::min(*last.level + finer, named - 1);
+    cut.pixel_error = finer == finer_steps ? std::numeric_limits<double>::infinity()
+                                           : std::ldexp(last.pixel_error, finer);
     cuts.push_back(cut);
-    for (int finer = levels + kMorePixelErrors; finer > 0; --finer) {
-      cut.pixel_error = last.pixel_error * static_cast<double>(int64_t{1} << finer);
-      cuts.push_back(cut);
-    }
   }
   cuts.push_back(last);
   return cuts;
@@ -56,41 +53,75 @@ uint64_t voxelBytes(const VisibleBlocks& blocks, const TimeStep& step) {
 
 }  // namespace
 
-Refinement::Refinement(Session& session, const RefinedVolume& volume, const FrameOptions& frame,
-                       StepOf step_of, std::optional<Deadline::TimePoint> until)
-    : session_(session),
-      volume_(volume),
-      frame_(frame),
-      step_of_(std::move(step_of)),
-      look_(std::make_shared<const Look>(makeLook(volume.step, volume.transfer, frame.mode))),
-      chooser_(volume.pool),
-      deadline_(until, frame.stop),
-      cuts_(cutsTo(*frame.cut, volume.step.layout().levels())) {
-  SLUICE_CHECK(volume.step.layout().levels() > 1);
+Refinement::Refinement(const std::vector<RefinedLayer>& layers, RefinedPainter painter,
+                       const FrameOptions& frame, std::optional<Deadline::TimePoint> until,
+                       WorkerPool& pool)
+    : painter_(std::move(painter)), frame_(frame), deadline_(until, frame.stop) {
+  int most_levels = 1;
+  for (size_t i = 0; i < layers.size(); ++i) {
+    const RefinedLayer& of = layers[i];
+    const FrameOptions own = painter_.options_of(i, frame);
+    auto layer = std::make_unique<Layer>(Layer{of, false, nullptr, LevelCut(pool), nullptr, 0});
+    layer->has_cut = drawsCut(of.step, own.cut, own.mode, of.transfer);
+    layer->look = std::make_shared<const Look>(makeLook(of.step, of.transfer, own.mode));
+    if (layer->has_cut) most_levels = std::max(most_levels, of.step.layout().levels());
+    layers_.push_back(std::move(layer));
+  }
+  SLUICE_CHECK(most_levels > 1);
+  cuts_ = cutsTo(*frame.cut, most_levels, layers.front().step.layout().levels());
 }
 
 Refinement::~Refinement() {
-  session_.chooseBlocksBy(nullptr);
+  chooseAsBefore();
 }
 
-Refinement::Planned Refinement::plan(const CutOptions& cut) {
+void Refinement::chooseAsBefore() {
+  for (const auto& layer : layers_) layer->of.session.chooseBlocksBy(nullptr);
+}
+
+Refinement::Planned Refinement::plan(const CutOptions& cut, const double* growth) {
   Planned planned;
   planned.options = frame_;
   planned.options.time_limit_s.reset();
   planned.options.cut = cut;
-  planned.options.step_vox = step_of_(cut);
-  const VolumeLayout& layout = volume_.step.source->layout();
-  planned.blocks =
-      chooser_.choose({volume_.step, look_, cropCells(frame_, layout.dims),
-                       resolve(frame_.camera, layout, frame_.size, planned.options.step_vox), cut});
-  planned.bytes = voxelBytes(*planned.blocks, volume_.step);
+  planned.options.step_vox = painter_.step_of(cut);
+  for (size_t i = 0; i < layers_.size(); ++i) {
+    Layer& layer = *layers_[i];
+    const TimeStep& step = layer.of.step;
+    Part& part = planned.parts.emplace_back();
+    part.options = painter_.options_of(i, planned.options);
+    if (!layer.has_cut) continue;
+    CutOptions own = *part.options.cut;
+    const VolumeLayout& layout = step.source->layout();
+    const auto choose = [&] {
+      part.options.cut = own;
+      part.blocks = layer.chooser.choose(
+          {step, layer.look, cropCells(part.options, layout.dims),
+           resolve(part.options.camera, layout, part.options.size, part.options.step_vox), own});
+      part.bytes = voxelBytes(*part.blocks, step);
+    };
+    choose();
+    if (growth != nullptr && part.bytes > layer.bytes) {
+      const auto more = static_cast<double>(part.bytes - layer.bytes);
+      own.most_stored_bytes =
+          std::min(own.most_stored_bytes, layer.bytes + static_cast<uint64_t>(*growth * more));
+      choose();
+    }
+    planned.bytes += part.bytes;
+  }
   return planned;
+}
+
+bool Refinement::showsAsLast(const Planned& planned) const {
+  for (size_t i = 0; i < layers_.size(); ++i)
+    if (planned.parts[i].blocks != layers_[i]->blocks) return false;
+  return true;
 }
 
 void Refinement::skipSame() {
   for (; !isLast(); ++tried_) {
     const Planned planned = plan(cuts_[tried_]);
-    if (planned.blocks != blocks_ || planned.options.step_vox != shown_.step_vox) return;
+    if (!showsAsLast(planned) || planned.options.step_vox != shown_.step_vox) return;
   }
 }
 
@@ -99,7 +130,7 @@ std::optional<Refinement::Planned> Refinement::better() {
   if (isLast()) return std::nullopt;
   Planned planned = plan(cuts_[tried_]);
   const std::optional<double> left_s = deadline_.secondsLeft();
-  if (blocks_ == nullptr || !left_s) return planned;
+  if (!has_picture_ || !left_s) return planned;
   // Rays take as many more samples as their slices are closer; the rest follows the bytes.
   const double draw_s = draw_s_ * shown_.step_vox / planned.options.step_vox;
   const double rest_s = std::max(0.0, frame_s_ - draw_s_);
@@ -110,42 +141,47 @@ std::optional<Refinement::Planned> Refinement::better() {
   is_over_ = true;
   if (may_take < kLeastGain * bytes) return std::nullopt;
   // Refines as far as the time seems to allow. A cut of one level alone takes no limit.
-  CutOptions cut = cuts_[tried_];
-  if (cut.level) return std::nullopt;
-  cut.most_stored_bytes = std::min(cut.most_stored_bytes, static_cast<uint64_t>(may_take));
-  planned = plan(cut);
-  if (planned.blocks == blocks_) return std::nullopt;
+  if (cuts_[tried_].level) return std::nullopt;
+  const double growth = (may_take - bytes) / (static_cast<double>(planned.bytes) - bytes);
+  planned = plan(cuts_[tried_], &growth);
+  if (showsAsLast(planned)) return std::nullopt;
   return planned;
 }
 
 std::optional<Frame> Refinement::next() {
-  const bool is_first = blocks_ == nullptr;
-  if (is_over_ || (!is_first && deadline_.isOver())) return std::nullopt;
+  if (is_over_ || (has_picture_ && deadline_.isOver())) return std::nullopt;
   std::optional<Planned> planned = better();
   if (!planned) return std::nullopt;
-  // The first picture is drawn whole even if there is no time for it.
-  planned->options.stop = is_first ? frame_.stop : deadline_.token();
-  session_.setOptions(planned->options);
-  session_.chooseBlocksBy(&*planned);
+  for (size_t i = 0; i < layers_.size(); ++i) {
+    Session& session = layers_[i]->of.session;
+    Part& part = planned->parts[i];
+    // The first picture is drawn whole even if there is no time for it.
+    part.options.stop = has_picture_ ? deadline_.token() : frame_.stop;
+    session.setOptions(part.options);
+    session.chooseBlocksBy(part.blocks != nullptr ? &part : nullptr);
+  }
   const Stopwatch watch;
   std::optional<Frame> frame;
   try {
-    frame = session_.frame();
+    frame = painter_.draw();
   } catch (const Interrupted&) {
-    session_.chooseBlocksBy(nullptr);
-    if (is_first || deadline_.isStopped()) throw;
+    chooseAsBefore();
+    if (!has_picture_ || deadline_.isStopped()) throw;
     is_over_ = true;
     return std::nullopt;
   }
-  session_.chooseBlocksBy(nullptr);
+  chooseAsBefore();
   frame_s_ = watch.seconds();
   draw_s_ = std::min(frame_s_, frame->report.stages.draw);
+  for (size_t i = 0; i < layers_.size(); ++i) {
+    layers_[i]->blocks = planned->parts[i].blocks;
+    layers_[i]->bytes = planned->parts[i].bytes;
+  }
   bytes_ = planned->bytes;
-  blocks_ = planned->blocks;
   shown_ = planned->options;
+  has_picture_ = true;
   ++tried_;
   skipSame();
-  if (frame->report.cut && (is_over_ || !isLast())) frame->report.cut->is_final = false;
   return frame;
 }
 
