@@ -119,7 +119,8 @@ class Renderer {
 
   // From now on each request of the texture cache is written to this file, in the format of its
   // name as for `sluice render --trace`; empty: no longer. The file appears when it ends, or with
-  // the Renderer's end. Throws Error.
+  // the Renderer's end. Several channels have a file each, "t_0.txt" and "t_over.txt" for "t.txt".
+  // Throws Error, also for channels that are blended.
   void recordTo(const std::string& path);
 
  private:

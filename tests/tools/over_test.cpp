@@ -142,20 +142,17 @@ TEST_F(Over, saysWhatDoesNotFit) {
   struct Case {
     const char *arguments, *message;
   };
-  for (const Case& c :
-       {Case{"--over missing.nrrd", "missing.nrrd: "},
-        Case{"--over steps.nrrd",
-             "steps.nrrd: 2 time steps, and scan.nrrd has 1: a volume over "
-             "another one has as many, or one"},
-        Case{"--over spot.nrrd --debug-view --occlusion map",
-             "--debug-view shows one channel, not 2; leave out --over"},
-        Case{"--over spot.nrrd --trace t.trace",
-             "a trace records the texture cache of one channel, not 2; leave out --over"},
-        Case{"--look over:green", "--look over:green: that channel is not shown"},
-        Case{"--over spot.nrrd --look over:nocolour", "nocolour"},
-        Case{"--over labels.nrrd --look over:./a.json --report a.json --force",
-             "a.json, which this command reads"},
-        Case{"--over spot.nrrd --look over:none.txt", "none.txt"}}) {
+  for (const Case& c : {Case{"--over missing.nrrd", "missing.nrrd: "},
+                        Case{"--over steps.nrrd",
+                             "steps.nrrd: 2 time steps, and scan.nrrd has 1: a volume over "
+                             "another one has as many, or one"},
+                        Case{"--over spot.nrrd --debug-view --occlusion map",
+                             "--debug-view shows one channel, not 2; leave out --over"},
+                        Case{"--look over:green", "--look over:green: that channel is not shown"},
+                        Case{"--over spot.nrrd --look over:nocolour", "nocolour"},
+                        Case{"--over labels.nrrd --look over:./a.json --report a.json --force",
+                             "a.json, which this command reads"},
+                        Case{"--over spot.nrrd --look over:none.txt", "none.txt"}}) {
     const CommandResult result =
         program_.run(std::string("render scan.nrrd -o no.png ") + c.arguments);
     EXPECT_EQ(result.status, 1) << c.arguments;

@@ -48,7 +48,7 @@ bool numbersPictures(const Arguments& arguments) {
   return arguments.progressive && isNumbered(arguments.output) && frameCount(arguments) == 1;
 }
 
-Outputs renderOutputs(const Arguments& arguments) {
+Outputs renderOutputs(const Arguments& arguments, const Scene* scene) {
   Outputs outputs(arguments.force);
   outputs.reads(arguments.volume.inputs);
   outputs.reads({arguments.volume.over, arguments.path_file, arguments.state_file});
@@ -68,7 +68,12 @@ Outputs renderOutputs(const Arguments& arguments) {
     for (const auto& view : debugViewNames(frameName(arguments, 0)))
       outputs.writes("--debug-view", view, FileKind::kPng);
   outputs.writes("--report", arguments.report_file, reportKind(arguments.report_file));
-  outputs.writesTrace("--trace", arguments.trace_file);
+  if (arguments.trace_file.empty()) return outputs;
+  if (scene == nullptr)
+    outputs.writesTrace("--trace", arguments.trace_file);
+  else
+    for (const std::string& file : scene->tracePaths(arguments.trace_file))
+      outputs.writesTrace("--trace", file);
   return outputs;
 }
 

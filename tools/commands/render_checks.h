@@ -20,8 +20,9 @@ std::vector<int64_t> framesToDraw(const RenderArguments& arguments, Team* team);
 
 // Whether the pictures of one frame that gets better are files of their own.
 bool numbersPictures(const RenderArguments& arguments);
-// All files that the command names.
-Outputs renderOutputs(const RenderArguments& arguments);
+// All files that the command writes; `scene`: with the traces of its channels, which are known once
+// it is open.
+Outputs renderOutputs(const RenderArguments& arguments, const Scene* scene = nullptr);
 PictureOutput pictureOutput(const RenderArguments& arguments);
 
 // Throws Error, or a usage error, for options that do not go together.

@@ -108,7 +108,11 @@ int run(Arguments& arguments, CLI::App& app, Team* team) {
   // The series comes before the trace, since culling opens the session anew.
   Series series(scene, arguments.culling, arguments.resources, job.options);
   chooseCulling(job, series);
-  if (!arguments.trace_file.empty()) scene.recordTo(arguments.trace_file);
+  if (!arguments.trace_file.empty()) {
+    for (const Layer* layer : scene.layers())
+      renderOutputs(arguments, &scene).check(layer->volume.source->files());
+    scene.recordTo(arguments.trace_file);
+  }
   const Drawn drawn = drawFrames(job, series);
   scene.keepLearntRanges();
   if (drawn.is_cut) {
@@ -188,7 +192,7 @@ Command addRender(CLI::App& program) {
   output.rare().text(
       "--trace", "FILE", arguments->trace_file,
       "Records the texture cache's requests: text (.txt), .csv, .oracleGeneral, .din, "
-      "otherwise compact binary");
+      "otherwise compact binary; of several channels a file each, as t_0.txt for t.txt");
   addReportOption(output, arguments->report_file);
   output.rare().flag(
       "--debug-view", arguments->debug_view,

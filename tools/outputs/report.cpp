@@ -221,21 +221,38 @@ json idJson(const ShownChannel& channel) {
 
 namespace {
 
+// A texture cache, or those of all channels.
+json textureCacheJson(const LevelCounters& counters, const PageGeometry& page) {
+  json cache = countersJson(counters.texture_cache);
+  cache.update({{"pages", counters.pages},
+                {"page_bytes", page.pageBytes()},
+                {"page", printPageSize(page.size_vox)},
+                {"pages_loaded", counters.pages_loaded}});
+  return cache;
+}
+
 // The counters of all channels.
 json levelsJson(const Scene& scene) {
   const LevelCounters counters = scene.levelCounters();
-  const PageGeometry& page = scene.session->page();
   json levels;
   levels["disk"] = {{"read_bytes", scene.storedBytesRead()}};
   levels["volume_buffer"] = countersJson(counters.volume_buffer);
   levels["texture_buffer"] = countersJson(counters.texture_buffer);
-  levels["texture_cache"] = countersJson(counters.texture_cache);
-  levels["texture_cache"].update({{"pages", counters.pages},
-                                  {"page_bytes", page.pageBytes()},
-                                  {"page", printPageSize(page.size_vox)},
-                                  {"pages_loaded", counters.pages_loaded},
-                                  {"uploaded_bytes", scene.device->uploadedBytes()},
-                                  {"binds", scene.device->binds()}});
+  levels["texture_cache"] = textureCacheJson(counters, scene.session->page());
+  levels["texture_cache"].update(
+      {{"uploaded_bytes", scene.device->uploadedBytes()}, {"binds", scene.device->binds()}});
+  return levels;
+}
+
+// The counters of a channel.
+json levelsJson(const Layer& layer) {
+  const LevelCounters counters = countersOf(*layer.session);
+  json levels;
+  levels["disk"] = {{"read_bytes", layer.volume.source->storedBytesRead()}};
+  levels["volume_buffer"] = countersJson(counters.volume_buffer);
+  levels["texture_buffer"] = countersJson(counters.texture_buffer);
+  levels["texture_cache"] = textureCacheJson(counters, layer.session->page());
+  levels["texture_cache"]["uploaded_bytes"] = layer.uploaded_bytes;
   return levels;
 }
 
@@ -247,6 +264,7 @@ json channelsJson(const Scene& scene) {
                         {"name", layer->volume.channel.name},
                         {"look", lookJson(layer->look)},
                         {"read_bytes", layer->volume.source->storedBytesRead()},
+                        {"levels", levelsJson(*layer)},
                         {"memory_bytes", memoryBudget(layer->machine)}});
   return channels;
 }

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
+#include <system_error>
 #include <utility>
 
 #include "src/base/error.h"
@@ -185,15 +187,21 @@ void Scene::expectAfterwards(const std::vector<TimeStep>& steps) {
   for (size_t i = 0; i < steps.size(); ++i) layers()[i]->session->expectAfterwards(steps[i]);
 }
 
+LevelCounters countersOf(const Session& session) {
+  const TextureCache& cache = session.textureCache();
+  return {session.volumeBufferCounters(), session.textureBufferCounters(), cache.counters(),
+          cache.capacityPages(), cache.pagesLoaded()};
+}
+
 LevelCounters Scene::levelCounters() const {
   LevelCounters sum;
   for (const Layer* layer : layers()) {
-    const Session& of_layer = *layer->session;
-    sum.volume_buffer += of_layer.volumeBufferCounters();
-    sum.texture_buffer += of_layer.textureBufferCounters();
-    sum.texture_cache += of_layer.textureCache().counters();
-    sum.pages += of_layer.textureCache().capacityPages();
-    sum.pages_loaded += of_layer.textureCache().pagesLoaded();
+    const LevelCounters of_layer = countersOf(*layer->session);
+    sum.volume_buffer += of_layer.volume_buffer;
+    sum.texture_buffer += of_layer.texture_buffer;
+    sum.texture_cache += of_layer.texture_cache;
+    sum.pages += of_layer.pages;
+    sum.pages_loaded += of_layer.pages_loaded;
   }
   return sum;
 }
@@ -309,15 +317,41 @@ std::string Scene::whyNothing(const SceneFrame& frame, int64_t time, const Frame
   return whyEmpty({volume, time, look.transfer, options, frame.report.missing_share}, pass);
 }
 
+std::vector<std::string> Scene::tracePaths(const std::string& path) const {
+  if (more.empty()) return {path};
+  const std::filesystem::path asked(path);
+  std::error_code none;
+  // /dev/null takes them all.
+  if (std::filesystem::is_character_file(asked, none))
+    return std::vector<std::string>(1 + more.size(), path);
+  std::vector<std::string> paths;
+  for (const Layer* layer : layers())
+    paths.push_back(
+        (asked.parent_path() /
+         (asked.stem().string() + "_" + layer->volume.channel.id() + asked.extension().string()))
+            .string());
+  return paths;
+}
+
 void Scene::recordTo(const std::string& path) {
-  if (!path.empty() && !more.empty())
-    failRequest("{}: a trace records the texture cache of one channel, {}", path, notOneChannel());
-  session->recordTo(nullptr);
-  if (trace != nullptr) trace->finish();
-  trace.reset();
+  if (!path.empty() && blends())
+    failRequest("{}: a trace records channels that are added; leave out --combine blend", path);
+  const std::vector<Layer*> all = layers();
+  for (Layer* layer : all) {
+    layer->session->recordTo(nullptr);
+    if (layer->trace != nullptr) layer->trace->finish();
+    layer->trace.reset();
+  }
   if (path.empty()) return;
-  trace = makeTraceWriter(path, traceFormatOf(path), static_cast<uint64_t>(page.pageBytes()));
-  session->recordTo(trace.get());
+  const std::vector<std::string> paths = tracePaths(path);
+  std::vector<std::unique_ptr<TraceWriter>> writers;
+  for (size_t i = 0; i < all.size(); ++i)
+    writers.push_back(makeTraceWriter(paths[i], traceFormatOf(paths[i]),
+                                      static_cast<uint64_t>(all[i]->page.pageBytes())));
+  for (size_t i = 0; i < all.size(); ++i) {
+    all[i]->trace = std::move(writers[i]);
+    all[i]->session->recordTo(all[i]->trace.get());
+  }
 }
 
 void Scene::keepLearntRanges() const {

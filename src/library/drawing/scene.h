@@ -80,8 +80,10 @@ struct Layer {
   // pictures, and of a series its opacity functions and what culling keeps.
   uint64_t beside_bytes = 0;
   ChosenLook look;
-  std::unique_ptr<RankShare> share;  // null: this process draws alone
-  std::unique_ptr<Session> session;  // null after a comparison took its memory
+  std::unique_ptr<RankShare> share;    // null: this process draws alone
+  uint64_t uploaded_bytes = 0;         // to the device, for pictures of several layers
+  std::unique_ptr<TraceWriter> trace;  // null: nothing is recorded
+  std::unique_ptr<Session> session;    // null after a comparison took its memory
 };
 
 // The counters of levels 2 to 4, of all layers together. Peaks are sums of the layers' peaks.
@@ -89,6 +91,9 @@ struct LevelCounters {
   CacheCounters volume_buffer, texture_buffer, texture_cache;
   uint64_t pages = 0, pages_loaded = 0;
 };
+
+// The counters of a layer's session.
+LevelCounters countersOf(const Session& session);
 
 // A scene is its first layer, and perhaps more.
 struct Scene : Layer {
@@ -145,10 +150,13 @@ struct Scene : Layer {
   std::string whyNothing(const SceneFrame& frame, int64_t time, const FrameOptions& options,
                          const IndexPass& pass) const;
 
-  // Records the requests to the texture cache in this file from now on; empty: finishes the file.
-  // The file of a scene that ends before is left out. Throws Error, also for several layers, which
-  // have a cache each.
+  // Records the requests to the texture caches in the files of tracePaths() from now on; empty:
+  // finishes the files. The files of a scene that ends before are left out. Throws Error, also for
+  // blended layers, whose requests are not recorded.
   void recordTo(const std::string& path);
+  // The trace of each layer if this one is asked for: of a single layer the path itself, of several
+  // with the layer's channel before the extension, "t_0.txt" and "t_over.txt" for "t.txt".
+  std::vector<std::string> tracePaths(const std::string& path) const;
 
   // Runs `body`, with several ranks at rank 0 first, so that the files that it keeps are there for
   // the others.
@@ -191,7 +199,6 @@ struct Scene : Layer {
   uint64_t peak_anonymous_bytes = 0;  // at the calls of noteMemory()
   CompositingReport composited;       // with several ranks: of the last frame, all layers
   std::unique_ptr<Device> device;
-  std::unique_ptr<TraceWriter> trace;
   std::vector<std::unique_ptr<Layer>> more;  // the further layers; their sessions end first
 
  private:

@@ -26,6 +26,21 @@ void toUnitOf(const VolumeLayout& first, const VolumeLayout& own, std::vector<fl
     for (float& depth : depths) depth *= scale;
 }
 
+// Counts what a layer uploads while this exists, also for a frame that is given up.
+class UploadsOf {
+ public:
+  UploadsOf(Layer& layer, const Device& device)
+      : layer_(layer), device_(device), before_(device.uploadedBytes()) {}
+  ~UploadsOf() { layer_.uploaded_bytes += device_.uploadedBytes() - before_; }
+  UploadsOf(const UploadsOf&) = delete;
+  UploadsOf& operator=(const UploadsOf&) = delete;
+
+ private:
+  Layer& layer_;
+  const Device& device_;
+  const uint64_t before_;
+};
+
 int64_t pagesOfBlock(const IndexedVolume& volume, const PageGeometry& page) {
   const int levels = volume.pyramid != nullptr ? volume.pyramid->levels() : 1;
   const int64_t side = blockSide(volume.layout, levels);
@@ -169,8 +184,10 @@ Frame Scene::drawBlended(std::vector<LayerFrame>& parts) {
   Frame frame = composed(*this, [&] { return blendedFrame(made, *device, reports); });
   parts.clear();
   const bool shows = !showsNothing(frame.picture);
-  for (size_t i = 0; i < reports.size(); ++i)
+  for (size_t i = 0; i < reports.size(); ++i) {
+    layers()[i]->uploaded_bytes += reports[i].uploaded_bytes;
     parts.push_back({reports[i], shows && !without_blocks[i]});
+  }
   return frame;
 }
 
@@ -184,6 +201,7 @@ Frame Scene::drawOnly(const std::vector<std::optional<FrameReport>>& without_blo
       continue;
     }
     Layer& layer = *layers()[i];
+    const UploadsOf counted(layer, *device);
     frame = nextFrame(layer);
     toUnitOf(volume.source->layout(), layer.volume.source->layout(), frame.picture.depth);
     parts.push_back({frame.report, !showsNothing(frame.picture)});
@@ -213,8 +231,10 @@ Frame Scene::drawLayers(std::vector<LayerFrame>& parts) {
     // A layer without blocks costs no picture, but the last one gives it if no other does.
     if (without_blocks[i] && (sum || i + 1 < all.size())) {
       part.report = *without_blocks[i];
+      all[i]->session->passFrame();
       continue;
     }
+    const UploadsOf counted(*all[i], *device);
     Frame next = nextFrame(*all[i]);
     toUnitOf(volume.source->layout(), all[i]->volume.source->layout(), next.picture.depth);
     part = {next.report, !showsNothing(next.picture)};

@@ -99,7 +99,9 @@ class Session {
   // The report of the next frame if no block shows anything in it, so that it need not be drawn;
   // nullopt: it has to be. The planner keeps what it found for the frame.
   std::optional<FrameReport> withoutBlocks();
-  // The same if the picture is not wanted: its memory serves the next one.
+  // The next frame is not drawn, but it counts in the numbers of frames that traces have.
+  void passFrame() { ++frame_number_; }
+  // Draws as frame() does if the picture is not wanted: its memory serves the next one.
   FrameReport frameReport();
 
   // Voxels of these blocks of any step, through level 2 like those of frames. Throws as
