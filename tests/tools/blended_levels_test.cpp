@@ -32,7 +32,8 @@ class BlendedLevels : public testing::Test {
 };
 
 constexpr const char* kBoth =
-    " scan.zarr --over parts.zarr --combine blend --look over:labels,0.3 --size 160x140 --block 32 ";
+    " scan.zarr --over parts.zarr --combine blend --look over:labels,0.3 --size 160x140 --block "
+    "32 ";
 
 // The counts of each channel, which come from one cut.
 TEST_F(BlendedLevels, aPlanIsThatOfThePicture) {
@@ -75,6 +76,21 @@ TEST_F(BlendedLevels, withOneThatShowsNothingItIsThePictureOfTheOther) {
     run("render scan.zarr" + common + "one.png");
     EXPECT_EQ(picture("both.png"), picture("one.png")) << options;
   }
+}
+
+// A row of pictures ends with the one that is drawn at once.
+TEST_F(BlendedLevels, aRowOfPicturesBecomesTheOneThatWaits) {
+  const std::string command = fmt::format("render{}--pixel-error 1 --force ", kBoth);
+  const auto report = program_.json(command + "--progressive -o 'p_#.png'");
+  const auto& pictures = report["frames"][0]["pictures"];
+  ASSERT_GE(pictures.size(), 3U);
+  EXPECT_EQ(pictures[0]["cut"]["levels"].size(), 1U);
+  EXPECT_EQ(pictures[0]["cut"]["levels"][0]["level"], 3);
+  run(command + "-o whole.png");
+  EXPECT_EQ(picture(report["output"].get<std::string>()), picture("whole.png"));
+  // The first one is a blended picture of the coarsest level.
+  run(command + "--level 3 -o coarse.png");
+  EXPECT_EQ(picture("p_0.png"), picture("coarse.png"));
 }
 
 // Levels of one volume alone are not used, whichever has them.

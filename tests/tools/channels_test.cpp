@@ -443,9 +443,6 @@ TEST_F(Channels, wrongOnesAreRefusedInOneLine) {
       {"cells.ome.zarr --look 1:red --look Actin:green -o a.png",
        "sluice: --look Actin:green: channel 1 (Actin) has --look 1:red already; give one of "
        "them\n"},
-      {"cells.ome.zarr --progressive --combine blend -o a.png",
-       "sluice: cells.ome.zarr: --combine blend draws the finest level alone; leave out "
-       "--progressive or --combine\n"},
       {"cells.ome.zarr --trace t.csv --combine blend -o a.png",
        "sluice: t.csv: a trace records channels that are added; leave out --combine blend\n"},
       {"cells.ome.zarr --culling toc -o a.png",

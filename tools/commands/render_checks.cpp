@@ -160,13 +160,9 @@ bool isRefined(const Arguments& arguments, const Scene& scene) {
          canRefine(scene, arguments.frame);
 }
 
-void requireFewChannels(const Arguments& arguments, const Scene& scene) {
-  if (scene.more.empty()) return;
-  if (arguments.debug_view)
+void requireOneChannel(const Arguments& arguments, const Scene& scene) {
+  if (arguments.debug_view && !scene.more.empty())
     fail("{}: --debug-view shows one channel, {}", scene.volume.name, scene.notOneChannel());
-  if (arguments.progressive && scene.blends())
-    fail("{}: --combine blend draws the finest level alone; leave out --progressive or --combine",
-         scene.volume.name);
 }
 
 void requireWholePicture(const Arguments& arguments, const Scene& scene) {

@@ -39,7 +39,7 @@ bool reportsParts(const RenderArguments& arguments);
 // coarser picture to begin with.
 bool isRefined(const RenderArguments& arguments, const Scene& scene);
 // Throws Error for options that a picture of several channels cannot have.
-void requireFewChannels(const RenderArguments& arguments, const Scene& scene);
+void requireOneChannel(const RenderArguments& arguments, const Scene& scene);
 // Throws Error if options that look at a whole picture are given for one that is drawn in strips.
 void requireWholePicture(const RenderArguments& arguments, const Scene& scene);
 

@@ -90,7 +90,7 @@ int run(Arguments& arguments, CLI::App& app, Team* team) {
     arguments.frame.shown_points = fitted.shown_points;
   }
   Scene& scene = *fitted.scene;
-  requireFewChannels(arguments, scene);
+  requireOneChannel(arguments, scene);
   const std::vector<Camera>& cameras = fitted.cameras;
   if (is_first && !arguments.resources.quiet) {
     for (const Layer* layer : scene.layers())

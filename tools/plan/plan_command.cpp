@@ -260,6 +260,7 @@ int run(const PlanArguments& asked, const CLI::App& app) {
     PlanArguments own = share;
     own.frame =
         frameOfLayer(channel.volume, channel.transfer, first.volume.source->layout(), own.frame);
+    if (is_blended) own.frame.cut = share.frame.cut;  // one for all channels
     own.volume.time = channel.volume.time;
     return own;
   };

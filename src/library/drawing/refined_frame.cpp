@@ -20,7 +20,7 @@ void willImprove(FrameReport& report, std::vector<LayerFrame>& parts) {
 }  // namespace
 
 bool canRefine(const Scene& scene, const FrameOptions& options) {
-  return !scene.blends() && std::ranges::any_of(scene.layers(), [&](const Layer* layer) {
+  return std::ranges::any_of(scene.layers(), [&](const Layer* layer) {
     const FrameOptions own = scene.optionsOf(*layer, options);
     return drawsCut(layer->volume.step(), own.cut, own.mode, layer->look.transfer);
   });
@@ -43,6 +43,7 @@ RefinedFrame drawRefined(Scene& scene, const FrameOptions& options, bool has_ste
   painter.options_of = [&](size_t place, const FrameOptions& picture) {
     return scene.optionsOf(*layers[place], picture);
   };
+  painter.is_one_medium = scene.blends();
   painter.draw = [&] { return scene.frame(&parts); };
   std::vector<RefinedLayer> volumes;
   for (Layer* layer : layers)

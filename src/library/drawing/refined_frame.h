@@ -33,7 +33,7 @@ struct RefinedFrame {
 };
 
 // Whether frames of the scene with these options can be such a row: a layer has several levels to
-// draw from, and the layers are not blended, which takes the finest level.
+// draw from.
 bool canRefine(const Scene& scene, const FrameOptions& options);
 
 // Draws the row. Each picture is passed to `take` as soon as it is there. `began`: where seconds

@@ -86,30 +86,52 @@ Refinement::Planned Refinement::plan(const CutOptions& cut, const double* growth
   planned.options.cut = cut;
   planned.options.step_vox = painter_.step_of(cut);
   for (size_t i = 0; i < layers_.size(); ++i) {
-    Layer& layer = *layers_[i];
-    const TimeStep& step = layer.of.step;
     Part& part = planned.parts.emplace_back();
     part.options = painter_.options_of(i, planned.options);
+  }
+  choose(planned);
+  if (growth == nullptr) return planned;
+  bool is_less = false;
+  for (size_t i = 0; i < layers_.size(); ++i) {
+    const Layer& layer = *layers_[i];
+    Part& part = planned.parts[i];
+    if (!layer.has_cut || part.bytes <= layer.bytes) continue;
+    const auto more = static_cast<double>(part.bytes - layer.bytes);
+    uint64_t& most = part.options.cut->most_stored_bytes;
+    most = std::min(most, layer.bytes + static_cast<uint64_t>(*growth * more));
+    is_less = true;
+  }
+  if (is_less) choose(planned);
+  return planned;
+}
+
+void Refinement::choose(Planned& planned) {
+  std::vector<size_t> with_cut;
+  std::vector<LevelCut*> cuts;
+  std::vector<BlockQuestion> questions;
+  for (size_t i = 0; i < layers_.size(); ++i) {
+    Layer& layer = *layers_[i];
     if (!layer.has_cut) continue;
-    CutOptions own = *part.options.cut;
-    const VolumeLayout& layout = step.source->layout();
-    const auto choose = [&] {
-      part.options.cut = own;
-      part.blocks = layer.chooser.choose(
-          {step, layer.look, cropCells(part.options, layout.dims),
-           resolve(part.options.camera, layout, part.options.size, part.options.step_vox), own});
-      part.bytes = voxelBytes(*part.blocks, step);
-    };
-    choose();
-    if (growth != nullptr && part.bytes > layer.bytes) {
-      const auto more = static_cast<double>(part.bytes - layer.bytes);
-      own.most_stored_bytes =
-          std::min(own.most_stored_bytes, layer.bytes + static_cast<uint64_t>(*growth * more));
-      choose();
-    }
+    const FrameOptions& options = planned.parts[i].options;
+    const VolumeLayout& layout = layer.of.step.source->layout();
+    const View view = resolve(options.camera, layout, options.size, options.step_vox);
+    questions.push_back(
+        {layer.of.step, layer.look, cropCells(options, layout.dims), view, options.cut});
+    cuts.push_back(&layer.chooser);
+    with_cut.push_back(i);
+  }
+  std::vector<VisibleBlocksPtr> chosen;
+  if (painter_.is_one_medium)
+    chosen = LevelCut::chooseTogether(cuts, questions);
+  else
+    for (size_t k = 0; k < cuts.size(); ++k) chosen.push_back(cuts[k]->choose(questions[k]));
+  planned.bytes = 0;
+  for (size_t k = 0; k < cuts.size(); ++k) {
+    Part& part = planned.parts[with_cut[k]];
+    part.blocks = chosen[k];
+    part.bytes = voxelBytes(*part.blocks, layers_[with_cut[k]]->of.step);
     planned.bytes += part.bytes;
   }
-  return planned;
 }
 
 bool Refinement::showsAsLast(const Planned& planned) const {

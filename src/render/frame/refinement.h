@@ -36,6 +36,9 @@ struct RefinedPainter {
   std::function<double(const CutOptions&)> step_of;
   // The options of a layer, by its place, for a picture with these options.
   std::function<FrameOptions(size_t, const FrameOptions&)> options_of;
+  // The layers are one medium, of which all are drawn from one cut (LevelCut::chooseTogether());
+  // otherwise each has its own.
+  bool is_one_medium = false;
   // Draws the next frame of all sessions. Throws what Session::frame() does.
   std::function<Frame()> draw;
 };
@@ -86,6 +89,8 @@ class Refinement {
   // `growth`: the share of what each layer wants to read in addition to the last picture's blocks;
   // null: all.
   Planned plan(const CutOptions& cut, const double* growth = nullptr);
+  // Chooses the blocks of a picture, of which the layers' options are set.
+  void choose(Planned& planned);
   std::optional<Planned> better();
   bool showsAsLast(const Planned& planned) const;
   // Passes over cuts that make the same picture as the last one.
