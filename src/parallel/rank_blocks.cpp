@@ -42,16 +42,14 @@ std::vector<int64_t> blocksOf(int rank, const BlockLayout& layout, const Dealing
 
 }  // namespace
 
-void RankBlocks::dealFor(const BlockQuestion& question, const VisibleBlocks& all) {
-  const int coarsest =
-      all.cut ? coarsestLevelShown(question.step, question.view, all) : first_.coarsest_level;
+void RankBlocks::dealFor(const BlockQuestion& question, int coarsest_level) {
   // The volume's own hands, which are the most even ones, hold all levels up to this one.
-  const bool fits_first = coarsest <= first_.coarsest_level;
+  const bool fits_first = coarsest_level <= first_.coarsest_level;
   const int before = dealing_.coarsest_level;
   if (fits_first)
     dealing_ = first_;
-  else if (before != coarsest)
-    dealing_ = dealBlocks(question.step.layout(), first_.ranks, coarsest);
+  else if (before != coarsest_level)
+    dealing_ = dealBlocks(question.step.layout(), first_.ranks, coarsest_level);
   if (dealing_.coarsest_level != before && changed_) changed_(dealing_);
 }
 
@@ -60,6 +58,17 @@ VisibleBlocksPtr RankBlocks::choose(const BlockQuestion& question) {
   if (chooser == nullptr && question.cut) chooser = &cut_;
   if (chooser == nullptr) chooser = &classified_;
   const VisibleBlocksPtr all = chooser->choose(question);
+  return chooseOf(
+      question, all,
+      all->cut ? coarsestLevelShown(question.step, question.view, *all) : first_.coarsest_level);
+}
+
+LevelCut* RankBlocks::cutFor(const BlockQuestion& question) {
+  return chooser_ == nullptr && question.cut ? &cut_ : nullptr;
+}
+
+VisibleBlocksPtr RankBlocks::chooseOf(const BlockQuestion& question, const VisibleBlocksPtr& all,
+                                      int coarsest_level) {
   const PyramidLayout layout = question.step.layout();
   const bool loads_every = loadsEveryBlock(*all, question.algorithm);
   if (loads_every) requireListable(layout.finest(), question.algorithm);
@@ -70,7 +79,7 @@ VisibleBlocksPtr RankBlocks::choose(const BlockQuestion& question) {
       if (loads_every) mine.share = BlockShare{blocksWith(layout.finest(), cells), cells};
       return mine;
     });
-  dealFor(question, *all);
+  dealFor(question, coarsest_level);
   return memo_.of({Identity<VisibleBlocks>(all), dealing_.coarsest_level, loads_every}, [&] {
     VisibleBlocks mine;
     mine.white = all->white;

@@ -35,6 +35,9 @@ class RankBlocks : public BlockChooser {
   // Of the blocks chosen last.
   const Dealing& dealing() const { return dealing_; }
   VisibleBlocksPtr choose(const BlockQuestion& question) override;
+  LevelCut* cutFor(const BlockQuestion& question) override;
+  VisibleBlocksPtr chooseOf(const BlockQuestion& question, const VisibleBlocksPtr& all,
+                            int coarsest_level) override;
 
  private:
   struct Key {
@@ -44,8 +47,8 @@ class RankBlocks : public BlockChooser {
     friend bool operator==(const Key&, const Key&) = default;
   };
 
-  // Makes hands that suit the picture.
-  void dealFor(const BlockQuestion& question, const VisibleBlocks& all);
+  // Makes hands that suit a picture of no coarser level.
+  void dealFor(const BlockQuestion& question, int coarsest_level);
 
   const Dealing first_;  // of the volume
   Dealing dealing_;

@@ -182,8 +182,7 @@ struct Scene : Layer {
   std::vector<Layer*> layers();
   // Whether its layers are blended.
   bool blends() const { return asked.combine == Combine::kBlend && !more.empty(); }
-  // Whether its layers are blended from one cut through their levels of resolution: if they can be,
-  // and not on several ranks.
+  // Whether its layers are blended from one cut through their levels of resolution.
   bool blendsLevels(const FrameOptions& options) const;
   // "not 3; give one --channel", for messages about several layers.
   std::string notOneChannel() const;

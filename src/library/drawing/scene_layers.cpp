@@ -126,7 +126,6 @@ bool haveOneCut(const FrameOptions& options, const std::vector<LayerLook>& layer
 }
 
 bool Scene::blendsLevels(const FrameOptions& options) const {
-  if (share) return false;  // each rank chooses its blocks of each layer by itself
   std::vector<LayerLook> looks;
   for (const Layer* layer : layers()) looks.push_back({&layer->volume, &layer->look.transfer});
   return haveOneCut(options, looks);

@@ -32,6 +32,7 @@ class LevelCut : public BlockChooser {
   explicit LevelCut(WorkerPool& pool) : pool_(pool) {}
   // Requires: the step has several levels and the question has a cut.
   VisibleBlocksPtr choose(const BlockQuestion& question) override;
+  LevelCut* cutFor(const BlockQuestion& /*question*/) override { return this; }
   // The answers to a question each, of one cut. Requires: the steps' levels are alike (areAlike()),
   // and so are the questions' views and cuts but for the limits of bytes.
   static std::vector<VisibleBlocksPtr> chooseTogether(std::span<LevelCut* const> cuts,

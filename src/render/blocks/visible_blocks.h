@@ -30,6 +30,8 @@ struct BlockQuestion {
   Algorithm algorithm = Algorithm::kMerged;  // whether blocks that are not visible are loaded, too
 };
 
+class LevelCut;
+
 class BlockChooser {
  public:
   virtual ~BlockChooser() = default;
@@ -37,6 +39,15 @@ class BlockChooser {
   // name; each finest cell at most once. Returns the same object again if no input has changed:
   // then the values that follow from it are kept too.
   virtual VisibleBlocksPtr choose(const BlockQuestion& question) = 0;
+  // The cut that it takes the blocks from, of which several volumes may be (see
+  // LevelCut::chooseTogether()); null: it makes none.
+  virtual LevelCut* cutFor(const BlockQuestion& /*question*/) { return nullptr; }
+  // Its blocks among those of that cut, which shows the picture's coarsest level somewhere, in this
+  // volume or another.
+  virtual VisibleBlocksPtr chooseOf(const BlockQuestion& /*question*/,
+                                    const VisibleBlocksPtr& of_cut, int /*coarsest_level*/) {
+    return of_cut;
+  }
 };
 
 // classify(), or classifyAround() for a frame that looks around its samples, kept while its inputs

@@ -57,14 +57,25 @@ VisibleBlocksPtr Planner::visibleBlocks(const TimeStep& step, const LookPtr& loo
 
 std::vector<VisibleBlocksPtr> Planner::visibleTogether(std::span<Planner* const> planners,
                                                        std::span<const BlockQuestion> questions) {
+  std::vector<BlockChooser*> choosers;
   std::vector<LevelCut*> cuts;
-  for (size_t i = 0; i < planners.size(); ++i)
-    if (&planners[i]->chooserFor(questions[i]) == &planners[i]->cut_)
-      cuts.push_back(&planners[i]->cut_);
-  if (cuts.size() == planners.size()) return LevelCut::chooseTogether(cuts, questions);
+  for (size_t i = 0; i < planners.size(); ++i) {
+    choosers.push_back(&planners[i]->chooserFor(questions[i]));
+    cuts.push_back(choosers[i]->cutFor(questions[i]));
+  }
   std::vector<VisibleBlocksPtr> visible;
-  for (size_t i = 0; i < planners.size(); ++i)
-    visible.push_back(planners[i]->chooserFor(questions[i]).choose(questions[i]));
+  if (std::ranges::count(cuts, nullptr) > 0) {
+    for (size_t i = 0; i < choosers.size(); ++i)
+      visible.push_back(choosers[i]->choose(questions[i]));
+    return visible;
+  }
+  visible = LevelCut::chooseTogether(cuts, questions);
+  int coarsest = 0;
+  for (size_t i = 0; i < visible.size(); ++i)
+    coarsest =
+        std::max(coarsest, coarsestLevelShown(questions[i].step, questions[i].view, *visible[i]));
+  for (size_t i = 0; i < visible.size(); ++i)
+    visible[i] = choosers[i]->chooseOf(questions[i], visible[i], coarsest);
   return visible;
 }
 

@@ -60,8 +60,8 @@ class Planner {
   // The question that visibleBlocks() asks its chooser. `limit` must outlive it.
   static BlockQuestion question(const TimeStep& step, const LookPtr& look, const View& view,
                                 const FrameOptions& options, const ReadLimit* limit = nullptr);
-  // The answers of several planners to a question each. If all of them make a cut, it is one cut,
-  // see LevelCut::chooseTogether().
+  // The answers of several planners' choosers to a question each. If all of them make a cut, it is
+  // one cut.
   static std::vector<VisibleBlocksPtr> visibleTogether(std::span<Planner* const> planners,
                                                        std::span<const BlockQuestion> questions);
   // `clusters`: PlanOptions::clusters. Throws Error when the texture cache has fewer pages than one
