@@ -78,11 +78,17 @@ void BlendedDrawing::begin(const FrameSetup& setup, bool fetches) {
   while (looks_.size() < channels_.size()) looks_.push_back(std::make_unique<LookTextures>(gl_));
 }
 
-void BlendedDrawing::use(Vec3d scale, const std::vector<bool>& has_spread,
+void BlendedDrawing::use(Vec3d scale, const std::vector<std::optional<bool>>& has_spread,
                          const std::function<void(GlProgram&)>& tell) {
+  // A channel without a chunk takes after the others, so that few programs serve all blocks.
+  const bool have_spreads = std::ranges::count(has_spread, std::optional(true)) > 0;
   BlendedVariant variant;
-  for (size_t c = 0; c < channels_.size(); ++c)
-    variant.channels.push_back(boxVariant(variants_[c], scale, has_spread[c]));
+  for (size_t c = 0; c < channels_.size(); ++c) {
+    const bool draws_spreads = drawsSpreads(*channels_[c]);
+    SLUICE_CHECK(draws_spreads || !has_spread[c].value_or(false));
+    variant.channels.push_back(
+        boxVariant(variants_[c], scale, has_spread[c].value_or(have_spreads && draws_spreads)));
+  }
   variant.view = viewVariant(variant.channels.front());
   auto& program = programs_[variant];
   if (!program)

@@ -43,9 +43,10 @@ class BlendedDrawing {
   // Begins a frame, whose setup must outlive it. `fetches`: ShaderVariant's. Throws Error if the
   // driver has too few texture units.
   void begin(const FrameSetup& setup, bool fetches);
-  // The frame's program for blocks of this scale, whose chunks of each channel have spreads or not,
-  // is in use from now on. `tell` tells a program that does not know it of the view.
-  void use(Vec3d scale, const std::vector<bool>& has_spread,
+  // The frame's program for blocks of this scale is in use from now on. `has_spread`: of each
+  // channel, whether its chunk has spreads; nullopt: it has none. `tell` tells a program that does
+  // not know it of the view.
+  void use(Vec3d scale, const std::vector<std::optional<bool>>& has_spread,
            const std::function<void(GlProgram&)>& tell);
   // Binds the channel's texture, and tells the program of its size.
   void bindChunk(size_t channel, GLuint texture, Vec3i storage_vox);

@@ -277,21 +277,14 @@ void GlDevice::drawBlended(std::span<const BoxDraw> boxes) {
   while (!boxes.empty()) {
     const BlendedBlocks blocks = takeBlocks(boxes, channels);
     std::vector<const Resident*> chunks(channels, nullptr);
+    std::vector<std::optional<bool>> has_spread(channels);
     for (size_t c = 0; c < channels; ++c) {
       if (!blocks.chunks[c]) continue;
       const auto found = resident_.find(*blocks.chunks[c]);
       SLUICE_CHECK(found != resident_.end());
       chunks[c] = &found->second;
-      SLUICE_CHECK(!chunks[c]->format.has_spread || drawsSpreads(setupOfChannel(setup_, c)));
+      has_spread[c] = chunks[c]->format.has_spread;
     }
-    // A channel without a box takes after the others, so that few programs serve all blocks.
-    const bool have_spreads = std::ranges::any_of(
-        chunks, [](const Resident* chunk) { return chunk != nullptr && chunk->format.has_spread; });
-    std::vector<bool> has_spread;
-    for (size_t c = 0; c < channels; ++c)
-      has_spread.push_back(chunks[c] != nullptr
-                               ? chunks[c]->format.has_spread
-                               : have_spreads && drawsSpreads(setupOfChannel(setup_, c)));
     blended_.use(blocks.hulls.front().texels.indexScale(), has_spread,
                  [this](GlProgram& program) { setFrameView(program); });
     for (size_t c = 0; c < channels; ++c) {

@@ -21,6 +21,7 @@
 #include "tools/options/idle_options.h"
 #include "tools/options/picture_checks.h"
 #include "tools/options/shared_options.h"
+#include "tools/outputs/cut_report.h"
 #include "tools/outputs/report.h"
 #include "tools/pages/report_file.h"
 #include "tools/plan/plan_boxes.h"

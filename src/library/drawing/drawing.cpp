@@ -3,11 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <utility>
 
 #include "src/base/error.h"
-#include "src/base/files/file_kind.h"
 #include "src/library/conversions.h"
 #include "src/library/drawing/exr_contents.h"
 #include "src/library/drawing/picture_plan.h"
@@ -384,11 +382,7 @@ SliceValues Drawing::slice(const SliceOptions& slice, ProgressTeller& teller) {
 }
 
 void Drawing::recordTo(const std::string& path) {
-  // Nobody has named the files of several channels.
-  if (!path.empty() && !scene_.more.empty())
-    for (const std::string& file : scene_.tracePaths(path))
-      if (std::filesystem::exists(file) && !mayReplace(file, FileKind::kTrace))
-        failRequest("{}: exists and is not {}; give another name", file, nameOf(FileKind::kTrace));
+  if (!path.empty()) scene_.requireNoOtherFiles(path);
   scene_.recordTo(path);
 }
 

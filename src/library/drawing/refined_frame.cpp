@@ -31,7 +31,7 @@ RefinedFrame drawRefined(Scene& scene, const FrameOptions& options, bool has_ste
                          const std::function<void(const BetterPicture&)>& take) {
   const TimeStep step = scene.volume.step();
   const std::vector<Layer*> layers = scene.layers();
-  std::vector<LayerFrame> parts;
+  std::vector<LayerFrame> parts, of_last;
   RefinedPainter painter;
   painter.step_of = [&](const CutOptions& cut) {
     if (has_step) return options.step_vox;
@@ -46,25 +46,23 @@ RefinedFrame drawRefined(Scene& scene, const FrameOptions& options, bool has_ste
   painter.is_one_medium = scene.blends();
   painter.draw = [&] { return scene.frame(&parts); };
   std::vector<RefinedLayer> volumes;
+  volumes.reserve(layers.size());
   for (Layer* layer : layers)
     volumes.push_back({*layer->session, layer->volume.step(), layer->look.transfer});
   Refinement row(volumes, std::move(painter), options, until, scene.pool);
   RefinedFrame refined;
   std::optional<Frame> last;
   for (int number = 0;; ++number) {
-    std::vector<LayerFrame> earlier_parts = std::move(parts);
     std::optional<Frame> frame = row.next();
-    if (!frame) {
-      parts = std::move(earlier_parts);
-      break;
-    }
+    if (!frame) break;
+    of_last = parts;
     if (last) scene.device->reuse(std::move(last->picture));
     last = std::move(frame);
     scene.noteMemory();
     // A sample shows a part of the voxels, whatever the pixel error.
     if (!row.isBest() ||
         (scene.volume.sample && last->report.cut && last->report.cut->coarse_share > 0))
-      willImprove(last->report, parts);
+      willImprove(last->report, of_last);
     refined.options = row.shown();
     const std::chrono::duration<double> since = std::chrono::steady_clock::now() - began;
     refined.pictures.push_back({since.count(), refined.options.step_vox, last->report.cut});
@@ -72,7 +70,7 @@ RefinedFrame drawRefined(Scene& scene, const FrameOptions& options, bool has_ste
   }
   SLUICE_CHECK(last.has_value());
   refined.frame.report = last->report;
-  refined.frame.layers = std::move(parts);
+  refined.frame.layers = std::move(of_last);
   refined.frame.blocks = last->blocks;
   refined.frame.shows_something = !showsNothing(last->picture);
   refined.frame.whole = std::move(last);

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "src/base/error.h"
+#include "src/base/files/file_kind.h"
 #include "src/base/threads/clock.h"
 #include "src/base/values/bytes.h"
 #include "src/library/drawing/empty_picture.h"
@@ -331,6 +332,13 @@ std::vector<std::string> Scene::tracePaths(const std::string& path) const {
          (asked.stem().string() + "_" + layer->volume.channel.id() + asked.extension().string()))
             .string());
   return paths;
+}
+
+void Scene::requireNoOtherFiles(const std::string& path) const {
+  if (more.empty()) return;
+  for (const std::string& file : tracePaths(path))
+    if (std::filesystem::exists(file) && !mayReplace(file, FileKind::kTrace))
+      failRequest("{}: exists and is not {}; give another name", file, nameOf(FileKind::kTrace));
 }
 
 void Scene::recordTo(const std::string& path) {

@@ -157,6 +157,9 @@ struct Scene : Layer {
   // The trace of each layer if this one is asked for: of a single layer the path itself, of several
   // with the layer's channel before the extension, "t_0.txt" and "t_over.txt" for "t.txt".
   std::vector<std::string> tracePaths(const std::string& path) const;
+  // Throws Error if a file of several channels, whose names nobody has given, is there and is no
+  // trace.
+  void requireNoOtherFiles(const std::string& path) const;
 
   // Runs `body`, with several ranks at rank 0 first, so that the files that it keeps are there for
   // the others.
