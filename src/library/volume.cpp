@@ -57,8 +57,10 @@ void open(OpenedVolume& opened, VolumeArguments arguments, const VolumeOptions& 
   std::vector<std::string> notes;
   std::vector<ChannelSource> sources = channels(arguments);
   for (ChannelSource& source : sources) {
+    IndexNeeds own = needs;
+    if (looksLikeLabels(source)) own.values = LevelValues::kModes;
     IndexedVolume volume =
-        indexVolume(std::move(source.source), source.arguments, machine, needs, wish, pass);
+        indexVolume(std::move(source.source), source.arguments, machine, own, wish, pass);
     volume.channel = std::move(source.channel);
     if (!source.note.empty()) volume.notes.push_back(std::move(source.note));
     if (volume.stand_in) volume.notes.push_back(volume.standInNote());

@@ -133,6 +133,21 @@ class Pictures(unittest.TestCase):
         with self.assertRaisesRegex(sluice.Error, 'combine blend needs mode composite'):
             volume.render(size=64, combine='blend', mode='mip')
 
+    def test_of_labels_over_a_scan_are_blended_from_levels(self):
+        with tempfile.TemporaryDirectory() as folder:
+            scan, labels = os.path.join(folder, 'scan.zarr'), os.path.join(folder, 'labels.zarr')
+            for kind, path, *more in [('phantom', scan), ('parts', labels, '--downsample', 'mode')]:
+                subprocess.run([PROGRAM, 'pack', f'synth:{kind},dims=96x96x96', '-o', path, '--levels', '2', '-q', *more],
+                               check=True)
+            renderer = sluice.Renderer(sluice.open(scan, over=labels), device='cpu')
+            # The program's picture has the index that the package made.
+            for level in (0, 2):
+                with self.subTest(level):
+                    self.assertSamePicture(
+                        renderer.render(size=64, combine='blend', look=['over:labels,0.4'], level=level),
+                        self.command(scan, '--over', labels, '--size', '64', '--device', 'cpu', '--combine', 'blend',
+                                     '--look', 'over:labels,0.4', '--level', str(level)))
+
     def test_over_a_background_are_opaque(self):
         volume = sluice.open(PHANTOM)
         picture = volume.render(size=64, threshold=40, background='#102030')

@@ -36,14 +36,6 @@ IndexedVolume indexed(ChannelSource opened, const ResourceArguments& resources,
   return volume;
 }
 
-// Whether a volume over another one is drawn as labels by its values, as far as its levels tell
-// before these are read: modes are made of labels.
-bool looksLikeLabels(const ChannelSource& channel, const LookArguments& look) {
-  const auto levels = coarserLevels(*channel.source);
-  return channel.channel.is_over && look.map.empty() && look.opacities.empty() && !levels.empty() &&
-         levels.front().values == LevelValues::kModes;
-}
-
 }  // namespace
 
 IndexedVolume openIndexed(const VolumeArguments& arguments, const ResourceArguments& resources,
@@ -74,7 +66,8 @@ std::vector<IndexedVolume> openIndexedChannels(const VolumeArguments& arguments,
       FrameOptions own = pictures;
       if (own.cut && channel.channel.is_over && !blends) own.cut->level.reset();
       LookArguments own_look = lookOfChannel(look, channel.channel);
-      own_look.labels = own_look.labels || looksLikeLabels(channel, own_look);
+      own_look.labels = own_look.labels || (own_look.map.empty() && own_look.opacities.empty() &&
+                                            looksLikeLabels(channel));
       needs.push_back(pictureNeeds(own_look, own, finest));
     }
     // Blended channels are read in the same blocks.

@@ -4,12 +4,14 @@
 
 #include <algorithm>
 #include <array>
+#include <span>
 #include <utility>
 
 #include "io/web/address.h"
 #include "src/base/error.h"
 #include "src/base/files/shell_word.h"
 #include "src/base/looks/color_word.h"
+#include "src/base/values/volume_levels.h"
 #include "src/classify/transfer/automatic_look.h"
 #include "src/classify/transfer/color_maps.h"
 #include "src/classify/transfer/transfer_makers.h"
@@ -203,6 +205,11 @@ LookArguments labelsOfChannel(LookArguments look, const ChannelLook& own) {
 }
 
 }  // namespace
+
+bool looksLikeLabels(const ChannelSource& channel) {
+  const std::span<const CoarserLevel> levels = coarserLevels(*channel.source);
+  return channel.channel.is_over && !levels.empty() && levels.front().values == LevelValues::kModes;
+}
 
 LookArguments lookOfChannel(const LookArguments& asked, const ShownChannel& channel) {
   const ChannelLook* const own = ownLook(asked, channel);

@@ -48,6 +48,10 @@ ChannelSource openChannel(const VolumeArguments& arguments);
 // Error for channels that the volume does not have, or a volume over it of other time steps.
 std::vector<ChannelSource> openChannels(const VolumeArguments& arguments);
 
+// Whether a volume over another one is drawn as labels unless a look says otherwise, as far as its
+// levels tell before its values are read: modes are made of labels.
+bool looksLikeLabels(const ChannelSource& channel);
+
 // The look of a channel: what its own look among `asked.channels` says, then what `asked` says of
 // all channels, then what the file says. Colours that rise over a range without other opacities
 // have a ramp of opacity over the same range; light is off unless asked for. For the volume over
