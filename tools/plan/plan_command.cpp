@@ -175,6 +175,7 @@ bool blends(const PlanArguments& arguments, const std::vector<PlannedChannel>& c
 
 bool haveOneCut(const FrameOptions& frame, const std::vector<PlannedChannel>& channels) {
   std::vector<LayerLook> layers;
+  layers.reserve(channels.size());
   for (const PlannedChannel& channel : channels)
     layers.push_back({&channel.volume, &channel.transfer});
   return haveOneCut(frame, layers);
@@ -278,6 +279,7 @@ int run(const PlanArguments& asked, const CLI::App& app) {
   }
   if (is_blended) {
     std::vector<PlannedPart> parts;
+    parts.reserve(channels.size());
     for (const PlannedChannel& channel : channels)
       parts.push_back(partOf(argumentsOf(channel), channel));
     std::vector<PlannedBlocks> shown = plannedTogether(parts, pool);
