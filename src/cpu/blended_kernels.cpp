@@ -100,7 +100,7 @@ HWY_NOINLINE void addSamples(const ChannelWay& way, const V& k, int first, int l
   }
 }
 
-// Of a channel: for boxes of one number a texel, and for those of two.
+// A channel adds its samples by these: in boxes of one number a texel, and of two.
 struct Adding {
   AddSamples one = nullptr, two = nullptr;
 

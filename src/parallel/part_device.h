@@ -4,9 +4,8 @@
 //
 // A device that draws parts gets each box's layer. For any other device, and for frames that blend
 // several channels, the boxes are put off and drawn one layer after another, each as a picture of
-// its own. The opacity reached on the device is
-// that of one part alone, so it hides nothing (leastOpacity() returns 0). Used on one thread, the
-// device's.
+// its own. The opacity reached on the device is that of one part alone, so it hides nothing
+// (leastOpacity() returns 0). Used on one thread, the device's.
 #pragma once
 
 #include <memory>
