@@ -45,14 +45,6 @@ TextureBlock trimmedBlock(const PyramidLayout& pyramid, const ObjectBlock& objec
   return result;
 }
 
-bool areOfSeveralLevels(const VisibleBlocks& visible) {
-  // The cut belongs to the whole picture: a rank whose own blocks are all of the finest level must
-  // decide as the others do.
-  if (visible.cut) return !visible.cut->levels.empty() && visible.cut->levels.back().level > 0;
-  const auto isAbove = [](const ObjectBlock& object) { return object.name.level > 0; };
-  return std::ranges::any_of(visible.blocks, isAbove);
-}
-
 // Without their chunks and clusters.
 void addBlocks(TexturePlan& plan, const VisibleBlocks& visible, const PlanOptions& options) {
   int64_t count = static_cast<int64_t>(visible.blocks.size());
@@ -245,6 +237,14 @@ LoadBytes TexturePlan::loadBytes(const Chunk& chunk) const {
   load.empty = bytes(copied) - load.needed;
   load.extended = bytes(volume(chunk.size_vox) - copied);
   return load;
+}
+
+bool areOfSeveralLevels(const VisibleBlocks& visible) {
+  // The cut belongs to the whole picture: a rank whose own blocks are all of the finest level must
+  // decide as the others do.
+  if (visible.cut) return !visible.cut->levels.empty() && visible.cut->levels.back().level > 0;
+  const auto isAbove = [](const ObjectBlock& object) { return object.name.level > 0; };
+  return std::ranges::any_of(visible.blocks, isAbove);
 }
 
 bool loadsEveryBlock(const VisibleBlocks& visible, Algorithm algorithm) {

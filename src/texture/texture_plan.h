@@ -119,6 +119,8 @@ struct PlanOptions {
 constexpr bool loadsWholeBlocks(Algorithm algorithm) {
   return algorithm == Algorithm::kConventional || algorithm == Algorithm::kClipped;
 }
+// Whether the whole picture, of which these may be a rank's blocks, shows coarser levels.
+bool areOfSeveralLevels(const VisibleBlocks& visible);
 // Whether a plan loads all blocks of the finest level, visible or not, or all of this rank's share
 // of them. Blocks of several levels are loaded only if they are visible, by all algorithms.
 bool loadsEveryBlock(const VisibleBlocks& visible, Algorithm algorithm);

@@ -170,9 +170,9 @@ Frame blendedFrame(const Session::Parts& made, Device& device, std::vector<Frame
 
   ReadAhead::Deadline deadline;
   if (options.time_limit_s)
-    deadline =
-        asked_at + std::chrono::duration_cast<std::chrono::nanoseconds>(
-                       std::chrono::duration<double>(*options.time_limit_s - first.last_draw_s));
+    deadline = asked_at +
+               std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::duration<double>(
+                   *options.time_limit_s - first.last_draw_s - made.classify_s - made.plan_s));
   const DeviceFrame ends(device);
   device.beginFrame(setup, options.stop);
   const SharedFrame shared{all, order, setup, rowsOf(device)};

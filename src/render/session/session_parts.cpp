@@ -11,7 +11,6 @@
 #include "src/render/session/union_plan.h"
 
 namespace sluice {
-
 Session::Parts Session::parts(std::span<Session* const> sessions) {
   Stopwatch watch;
   Parts result;
@@ -45,14 +44,12 @@ Session::Parts Session::parts(std::span<Session* const> sessions) {
     part.visible = visible[i];
     sessions[i]->visible_ = visible[i];
     step_vox = std::min(step_vox, sessions[i]->stepForCut(*visible[i], part.options));
-    has_coarse = has_coarse ||
-                 std::ranges::any_of(visible[i]->blocks,
-                                     [](const ObjectBlock& block) { return block.name.level > 0; });
+    has_coarse = has_coarse || areOfSeveralLevels(*visible[i]);
   }
   for (Part& part : result.of_sessions) {
     part.options.step_vox = step_vox;
-    // Of several levels no algorithm loads blocks that show nothing, and a channel whose own blocks
-    // are all of the finest level must not do so either.
+    // No algorithm loads blocks that show nothing of a picture of several levels, and a channel
+    // whose own blocks are all of the finest level must not do so either.
     if (has_coarse && loadsWholeBlocks(part.options.algorithm))
       part.options.algorithm = Algorithm::kTrimmed;
   }

@@ -11,7 +11,7 @@
 
 namespace sluice {
 
-// What a channel shows, and its texture cache.
+// A channel: the blocks that it shows, and its texture cache.
 struct ChannelBlocks {
   PyramidLayout pyramid;
   VisibleBlocksPtr visible;
