@@ -31,9 +31,9 @@ class BlendedLevels : public testing::Test {
   const Program program_;
 };
 
-constexpr const char* kBoth =
-    " scan.zarr --over parts.zarr --combine blend --look over:labels,0.3 --size 160x140 --block "
-    "32 ";
+const std::string kPair =
+    " scan.zarr --over parts.zarr --look over:labels,0.3 --size 160x140 --block 32 ";
+const std::string kBoth = kPair + "--combine blend ";
 
 // The counts of each channel, which come from one cut.
 TEST_F(BlendedLevels, aPlanIsThatOfThePicture) {
@@ -64,6 +64,18 @@ TEST_F(BlendedLevels, aCoarsePictureReadsNoFineLevel) {
   const double coarse = readBytes("--level 1 --step 0.5 -o coarse.png");
   EXPECT_LT(coarse, fine / 2);  // two numbers of an eighth of the voxels, in fewer blocks
   EXPECT_GT(coarse, 0);
+}
+
+// A limit of bytes is one for all channels.
+TEST_F(BlendedLevels, channelsShareALimitOfBytes) {
+  for (const char* combine : {"blend", "add"}) {
+    const auto frame = program_.json(
+        fmt::format("render{}--combine {} --pixel-error 0.3 --max-bytes 1000000 --force -o a.png",
+                    kPair, combine))["frames"][0];
+    EXPECT_FALSE(frame["channels"][0]["cut"]["final"].get<bool>()) << combine;
+    EXPECT_GT(frame["decoded_bytes"], 100000) << combine;
+    EXPECT_LE(frame["decoded_bytes"], 1000000) << combine;
+  }
 }
 
 // A channel that shows nothing takes nothing from a cut.

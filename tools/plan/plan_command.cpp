@@ -132,7 +132,7 @@ void check(const PlanArguments& arguments) {
 PlanArguments shareOf(PlanArguments arguments, size_t channels) {
   if (channels == 1) return arguments;
   arguments.resources.memory_bytes = memoryBudget(arguments.resources) / channels;
-  if (arguments.frame.cut) arguments.frame.cut->most_held_bytes /= channels;
+  if (arguments.frame.cut) arguments.frame.cut = shareOf(*arguments.frame.cut, channels);
   return arguments;
 }
 

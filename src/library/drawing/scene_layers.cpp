@@ -95,7 +95,7 @@ FrameOptions Scene::optionsOf(const Layer& layer, const FrameOptions& options) c
   own.shades = layer.look.lit;
   if (look.flat_scale > 0) own.lighting.flat_share *= layer.look.flat_scale / look.flat_scale;
   // Blocks of a cut are shared out, and waiting is, too, unless all layers are drawn together.
-  if (own.cut) own.cut->most_held_bytes /= all.size();
+  if (own.cut) own.cut = shareOf(*own.cut, all.size());
   if (blends()) {
     if (!blendsLevels(options)) own.cut.reset();
     if (own.cut) own.cut->level = options.cut->level;

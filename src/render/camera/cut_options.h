@@ -1,6 +1,7 @@
 // CutOptions: at which levels of resolution a picture is drawn. Plain data.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 
@@ -19,5 +20,12 @@ struct CutOptions {
   uint64_t most_stored_bytes = UINT64_MAX, most_held_bytes = UINT64_MAX;
   friend bool operator==(const CutOptions&, const CutOptions&) = default;
 };
+
+// The options of one of so many volumes that a picture shows, with its share of the limits.
+constexpr CutOptions shareOf(CutOptions cut, size_t volumes) {
+  cut.most_stored_bytes /= volumes;
+  cut.most_held_bytes /= volumes;
+  return cut;
+}
 
 }  // namespace sluice
