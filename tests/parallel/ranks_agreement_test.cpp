@@ -7,12 +7,8 @@ namespace {
 
 using testing::HasSubstr;
 
-class RanksAgreement : public testing::TestWithParam<MpiLauncher> {
+class RanksAgreement : public RanksTest {
  protected:
-  void SetUp() override {
-    if (const std::string missing = GetParam().missing(); !missing.empty())
-      GTEST_SKIP() << "skipped: " << missing;
-  }
   CommandResult onTwo(const std::string& first, const std::string& second) const {
     return runCommand("cd " + shellQuoted(program_.folder.path().string()) +
                       "; export XDG_CACHE_HOME=\"$PWD/cache\"; " +

@@ -10,12 +10,8 @@ using nlohmann::json;
 using testing::HasSubstr;
 
 // Channels are files by zarr-python, which is sought in the system's own Python.
-class RanksChannels : public testing::TestWithParam<MpiLauncher> {
+class RanksChannels : public RanksTest {
  protected:
-  void SetUp() override {
-    if (const std::string missing = GetParam().missing(); !missing.empty())
-      GTEST_SKIP() << "skipped: " << missing;
-  }
   // Writes cells.ome.zarr into each of the folders.
   void writeCells(const std::vector<std::string>& folders) const {
     if (runCommand("/usr/bin/python3 -c 'import numpy, PIL, tifffile, zarr'").status != 0)

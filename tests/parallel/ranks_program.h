@@ -61,6 +61,15 @@ inline const MpiLauncher kOpenMpiLauncher{
 inline const MpiLauncher kMpichLauncher{"Mpich", "sluice_mpich.so", "mpiexec.mpich mpiexec.hydra",
                                         ""};
 
+// A test that runs with each MPI that is there.
+class RanksTest : public testing::TestWithParam<MpiLauncher> {
+ protected:
+  void SetUp() override {
+    if (const std::string missing = GetParam().missing(); !missing.empty())
+      GTEST_SKIP() << "skipped: " << missing;
+  }
+};
+
 // The largest difference of a channel; 256 if the pictures cannot be compared.
 inline int pictureDifference(const std::filesystem::path& a, const std::filesystem::path& b) {
   if (!std::filesystem::exists(a) || !std::filesystem::exists(b)) return 256;

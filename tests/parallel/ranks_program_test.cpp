@@ -104,12 +104,8 @@ TEST(BenchCulling, dealsTheVisibleBlocksToRanks) {
   }
 }
 
-class RanksProgram : public testing::TestWithParam<MpiLauncher> {
+class RanksProgram : public RanksTest {
  protected:
-  void SetUp() override {
-    if (const std::string missing = GetParam().missing(); !missing.empty())
-      GTEST_SKIP() << "skipped: " << missing;
-  }
   CommandResult onRanks(int ranks, const std::string& arguments) const {
     return runCommand(inFolder() + GetParam().start(ranks) + " " + arguments);
   }
