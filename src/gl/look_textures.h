@@ -29,7 +29,7 @@ class LookTextures {
   // Each binds its texture and tells the program, which is in use, how to read it.
   void setLookUp(const FrameSetup& setup, const ShaderVariant& variant, GlProgram& program,
                  const LookUnits& units = {});
-  // What chunks with two numbers a texel take, if the variant is one for such.
+  // Sets what a variant for chunks with two numbers a texel reads; nothing for others.
   void setSecondNumber(const FrameSetup& setup, const ShaderVariant& variant, GlProgram& program,
                        const LookUnits& units = {});
   // Called after setLookUp(), whose line of entries it replaces.

@@ -26,7 +26,7 @@ struct CompositingReport {
   double compose_seconds = 0, gather_seconds = 0;
 
   double seconds() const { return exchange_seconds + compose_seconds + gather_seconds; }
-  // For pictures that are added up.
+  // Adds the costs of a further picture of the same frame.
   CompositingReport& operator+=(const CompositingReport& more);
 };
 

@@ -33,7 +33,7 @@ struct BlockBytes {
 // Parts that stay refined do so until their voxels are this many times the pixel error wide.
 constexpr double kKeepsRefined = 0.7;
 
-// What a volume has in a block's region.
+// A volume's part in a block's region.
 struct CutPart {
   std::optional<ObjectBlock> object;  // nullopt: nothing
   BlockBytes bytes;
