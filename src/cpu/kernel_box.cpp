@@ -6,6 +6,7 @@
 #include "src/base/error.h"
 #include "src/cpu/floats.h"
 #include "src/device/depth_code.h"
+#include "src/device/label_shares.h"
 
 namespace sluice {
 namespace {
@@ -82,6 +83,7 @@ TexelSpan texelsOf(const BoxDraw& box, Vec3i storage) {
 // The values that follow from the map without a chunk. Texel coordinates keep only their fraction.
 void setScale(const FrameSetup& setup, const BoxDraw& box, KernelBox& out) {
   const Vec3d from = box.texels(toDouble(box.cells.lo));
+  out.texel_length = static_cast<float>(texelLength(box.texels.scale));
   for (int a = 0; a < 3; ++a) {
     const auto i = static_cast<size_t>(a), axis = static_cast<size_t>(box.texels.axes[i]);
     out.texel_scale[axis] = static_cast<float>(box.texels.scale[a]);

@@ -122,6 +122,7 @@ struct KernelBox {
   const std::byte* texels = nullptr;  // the first of the box
   Float3 stride{};                    // in bytes
   bool has_spread = false;            // two numbers a texel, see ChunkTexels
+  float texel_length = 1;             // see label_shares.h
   bool has_margin = false;            // a texel more on every side
   // Device values a world unit, camera space, of a value more a texel along each texel axis.
   std::array<Float3, 3> gradient{};

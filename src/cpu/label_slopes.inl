@@ -1,4 +1,5 @@
-// The slopes of the opacity of labels, on which their light falls. Included once a target.
+// Labels by their opacities: the shares of those that show, see label_shares.h, and the slopes on
+// which light falls. Included once a target.
 
 // One texel a lane, from an offset in bytes.
 template <DeviceType kType>
@@ -25,6 +26,45 @@ HWY_INLINE V labelOpacityOf(const KernelFrame& frame, V label) {
     return hn::IfThenZeroElse(isNoNumber(label), opacity);
   else
     return opacity;
+}
+
+// The others' share of a texel, 0 to 1.
+template <DeviceType kType>
+HWY_INLINE V othersShareOf(V number) {
+  const V unit = all(static_cast<float>(1 / wholeShare(kType)));
+  return hn::Min(hn::Max(hn::Mul(number, unit), hn::Zero(F())), all(1.0F));
+}
+
+// The label of a sample in a chunk with shares, and the share of what shows. A call of its own, as
+// labelAt() is. Most places lie within one label.
+struct SharedLabel {
+  V label, share;
+};
+template <DeviceType kType>
+HWY_NOINLINE SharedLabel sharedLabelAt(const KernelFrame& frame, const KernelBox& box,
+                                       Place place) {
+  const SpreadRows rows = spreadRowsAround<kType>(box, place.offset);
+  const EightNumbers values = eightOf(rows.mean), others = eightOf(rows.spread);
+  const V none = hn::Zero(F());
+  EightNumbers weights = weightsAt(place);
+  V least = values.at(0), greatest = least;
+  for (int i = 1; i < 8; ++i) {
+    least = hn::Min(least, values.at(i));
+    greatest = hn::Max(greatest, values.at(i));
+  }
+  const bool is_one = hn::AllTrue(F(), hn::Eq(least, greatest));
+  const M one_shows = hn::Gt(labelOpacityOf<kType>(frame, least), none);
+  V share = none;
+  for (int i = 0; i < 8; ++i) {
+    const V weight = weights.at(i);
+    const M shows =
+        is_one ? one_shows : hn::Gt(labelOpacityOf<kType>(frame, values.at(i)), none);
+    const V rest = othersShareOf<kType>(others.at(i));
+    share = hn::MulAdd(weight, hn::IfThenElse(shows, hn::Sub(all(1.0F), rest), rest), share);
+    // Below what any label that shows has together: those win.
+    hn::Store(hn::IfThenElse(shows, weight, all(-2.0F)), F(), weights.of[i]);
+  }
+  return {is_one ? least : heaviestOf(values, weights), share};
 }
 
 // Sobel's weights along an axis, interpolated between two texels: of the texel before a place, the
@@ -54,36 +94,59 @@ HWY_INLINE FourOffsets offsetsAround(const KernelBox& box, V cell, size_t axis) 
   return offsets;
 }
 
-// The labels of the 4 x 4 x 4 texels around a cell, x fastest.
-struct LabelsAround {
+// The labels of the 4 x 4 x 4 texels around a cell, x fastest, and in chunks with shares the numbers
+// that stand for the others' shares.
+struct NumbersAround {
   alignas(64) float of[64][kMostLanes];
   HWY_INLINE V at(int i) const { return hn::Load(F(), of[i]); }
+  HWY_INLINE void setRow(int row, V before, V first, V second, V after) {
+    hn::Store(before, F(), of[4 * row]);
+    hn::Store(first, F(), of[4 * row + 1]);
+    hn::Store(second, F(), of[4 * row + 2]);
+    hn::Store(after, F(), of[4 * row + 3]);
+  }
+};
+struct LabelsAround {
+  NumbersAround labels, others;
 };
 template <DeviceType kType, bool kSpread>
-HWY_INLINE void readWithMargin(const KernelBox& box, VI offset, LabelsAround& labels) {
-  const auto y = static_cast<int64_t>(box.stride[1]), z = static_cast<int64_t>(box.stride[2]);
+HWY_INLINE void readWithMargin(const KernelBox& box, VI offset, LabelsAround& around) {
+  const auto x = static_cast<int64_t>(box.stride[0]), y = static_cast<int64_t>(box.stride[1]),
+             z = static_cast<int64_t>(box.stride[2]);
   for (int k = 0; k < 4; ++k) {
     const int64_t plane = (k - 1) * z;
-    const LongRows rows =
-        longRowsAt<kType, kSpread>(box, offset, {plane - y, plane, plane + y, plane + 2 * y});
-    for (int j = 0; j < 4; ++j) {
-      float(*const row)[kMostLanes] = labels.of + 16 * k + 4 * j;
-      hn::Store(rows.before[j], F(), row[0]);
-      hn::Store(rows.first[j], F(), row[1]);
-      hn::Store(rows.second[j], F(), row[2]);
-      hn::Store(rows.after[j], F(), row[3]);
+    const int64_t more[4] = {plane - y, plane, plane + y, plane + 2 * y};
+    if constexpr (kSpread) {
+      const SpreadRows lower = spreadRowsAt<kType>(
+          box, offset, {more[0] - x, more[1] - x, more[2] - x, more[3] - x});
+      const SpreadRows upper = spreadRowsAt<kType>(
+          box, offset, {more[0] + x, more[1] + x, more[2] + x, more[3] + x});
+      for (int j = 0; j < 4; ++j) {
+        around.labels.setRow(4 * k + j, lower.mean[j].first, lower.mean[j].second,
+                             upper.mean[j].first, upper.mean[j].second);
+        around.others.setRow(4 * k + j, lower.spread[j].first, lower.spread[j].second,
+                             upper.spread[j].first, upper.spread[j].second);
+      }
+    } else {
+      const LongRows rows = longRowsAt<kType, false>(box, offset, more);
+      for (int j = 0; j < 4; ++j)
+        around.labels.setRow(4 * k + j, rows.before[j], rows.first[j], rows.second[j],
+                             rows.after[j]);
     }
   }
 }
 // Beyond the chunk its outermost texels continue.
-template <DeviceType kType>
-HWY_INLINE void readWithoutMargin(const KernelBox& box, const V3& cell, LabelsAround& labels) {
+template <DeviceType kType, bool kSpread>
+HWY_INLINE void readWithoutMargin(const KernelBox& box, const V3& cell, LabelsAround& around) {
   const FourOffsets x = offsetsAround(box, cell.x, 0), y = offsetsAround(box, cell.y, 1),
                     z = offsetsAround(box, cell.z, 2);
   for (int i = 0; i < 64; ++i) {
-    const VI row = hn::Add(y.of[i / 4 % 4], z.of[i / 16]);
-    const V label = texelsFrom<kType>(box.texels, hn::Add(x.of[i % 4], row));
-    hn::Store(label, F(), labels.of[i]);
+    const VI offset = hn::Add(x.of[i % 4], hn::Add(y.of[i / 4 % 4], z.of[i / 16]));
+    hn::Store(texelsFrom<kType>(box.texels, offset), F(), around.labels.of[i]);
+    if constexpr (kSpread) {
+      const auto second = static_cast<int64_t>(box.stride[0]) / 2;
+      hn::Store(texelsFrom<kType>(box.texels + second, offset), F(), around.others.of[i]);
+    }
   }
 }
 
@@ -108,31 +171,70 @@ HWY_INLINE V3 sobelSlopes(const Place& place, const NumberOf& number_of) {
   return slopes;
 }
 
-// The change of the labels' opacity from texel to texel along each axis. A call of its own, since few
-// frames draw labels. Two labels at most around a place are so common that no others are looked up.
+// The slopes where three labels or more lie around some place. `kSpread`: where one label alone
+// shows, they are those of its share.
+template <DeviceType kType, bool kSpread>
+HWY_NOINLINE V3 slopesOfMany(const KernelFrame& frame, const Place& place,
+                             const LabelsAround& around) {
+  NumbersAround opacities;
+  V least = all(3e38F), greatest = all(-3e38F), opacity = hn::Zero(F());
+  for (int i = 0; i < 64; ++i) {
+    const V label = around.labels.at(i), one = labelOpacityOf<kType>(frame, label);
+    const M shows = hn::Gt(one, hn::Zero(F()));
+    least = hn::IfThenElse(shows, hn::Min(least, label), least);
+    greatest = hn::IfThenElse(shows, hn::Max(greatest, label), greatest);
+    opacity = hn::Max(opacity, one);
+    hn::Store(one, F(), opacities.of[i]);
+  }
+  if constexpr (kSpread) {
+    const M is_one = hn::Eq(least, greatest);
+    for (int i = 0; i < 64; ++i) {
+      const V one = opacities.at(i), rest = othersShareOf<kType>(around.others.at(i));
+      const V part = hn::IfThenElse(hn::Gt(one, hn::Zero(F())), hn::Sub(all(1.0F), rest), rest);
+      hn::Store(hn::IfThenElse(is_one, hn::Mul(opacity, part), one), F(), opacities.of[i]);
+    }
+  }
+  return sobelSlopes(place, [&](int i) { return opacities.at(i); });
+}
+
+// The slopes that light labels, see lighting.h and label_shares.h, from texel to texel along each
+// axis. A call of its own, since few frames draw labels. Two labels at most around a place are so
+// common that no others are looked up.
 template <DeviceType kType, bool kSpread>
 HWY_NOINLINE V3 labelSlopesAt(const KernelFrame& frame, const KernelBox& box, V3 at, Place place) {
-  LabelsAround labels;
+  LabelsAround around;
   if (box.has_margin)
-    readWithMargin<kType, kSpread>(box, place.offset, labels);
+    readWithMargin<kType, kSpread>(box, place.offset, around);
   else
-    readWithoutMargin<kType>(
-        box, {hn::Sub(at.x, place.fx), hn::Sub(at.y, place.fy), hn::Sub(at.z, place.fz)}, labels);
+    readWithoutMargin<kType, kSpread>(
+        box, {hn::Sub(at.x, place.fx), hn::Sub(at.y, place.fy), hn::Sub(at.z, place.fz)}, around);
+  const NumbersAround& labels = around.labels;
   V least = labels.at(0), greatest = least;
   for (int i = 1; i < 64; ++i) {
     least = hn::Min(least, labels.at(i));
     greatest = hn::Max(greatest, labels.at(i));
   }
-  const V jump = hn::Sub(labelOpacityOf<kType>(frame, greatest),
-                         labelOpacityOf<kType>(frame, least));
   M other = hn::MaskFromVec(hn::Zero(F()));
   for (int i = 0; i < 64; ++i)
     other = hn::Or(other, hn::And(hn::Gt(labels.at(i), least), hn::Lt(labels.at(i), greatest)));
-  if (hn::AllFalse(F(), other)) {
-    if (hn::AllTrue(F(), hn::Eq(jump, hn::Zero(F())))) return {jump, jump, jump};
+  if (!hn::AllFalse(F(), other)) return slopesOfMany<kType, kSpread>(frame, place, around);
+  const V zero = hn::Zero(F());
+  const V low = labelOpacityOf<kType>(frame, least), high = labelOpacityOf<kType>(frame, greatest);
+  const V jump = hn::Sub(high, low);
+  if constexpr (kSpread) {
+    const V most = hn::Max(low, high);
+    const M low_shows = hn::Gt(low, zero), high_shows = hn::Gt(high, zero);
+    const M both = hn::And(hn::And(low_shows, high_shows), hn::Ne(least, greatest));
     return sobelSlopes(place, [&](int i) {
-      return hn::IfThenElseZero(hn::Eq(labels.at(i), greatest), jump);
+      const M is_high = hn::Eq(labels.at(i), greatest);
+      const V rest = othersShareOf<kType>(around.others.at(i));
+      const M shows = hn::Or(hn::And(is_high, high_shows), hn::AndNot(is_high, low_shows));
+      const V part = hn::IfThenElse(shows, hn::Sub(all(1.0F), rest), rest);
+      return hn::IfThenElse(both, hn::IfThenElseZero(is_high, jump), hn::Mul(most, part));
     });
+  } else {
+    if (hn::AllTrue(F(), hn::Eq(jump, zero))) return {jump, jump, jump};
+    return sobelSlopes(
+        place, [&](int i) { return hn::IfThenElseZero(hn::Eq(labels.at(i), greatest), jump); });
   }
-  return sobelSlopes(place, [&](int i) { return labelOpacityOf<kType>(frame, labels.at(i)); });
 }

@@ -31,8 +31,7 @@ HWY_INLINE Numbers numbersAt(const KernelFrame& frame, const KernelBox& box, con
     const SpreadValue both = spreadAt<kType>(box, place, frame.spread_scale);
     return {both.mean, both.square};
   } else if constexpr (kShading == Shading::kShares) {
-    const auto unit = static_cast<float>(1 / wholeShare(kType));
-    const SharedLabel both = sharedLabelAt<kType>(box, place, unit);
+    const SharedLabel both = sharedLabelAt<kType>(frame, box, place);
     return {both.label, both.share};
   } else {
     const V value = frame.labels ? labelAt<kType>(box, place) : valueAt<kType>(box, place);
@@ -57,7 +56,7 @@ HWY_INLINE Color shadedSample(const KernelFrame& frame, const KernelBox& box, co
   return shaded(frame, box, at, color, gradientOf(box, slopes), frame.flat);
 }
 
-// The colour of a label of which a texel's finest voxels have a share.
+// The colour of a label that a share of the finest voxels has, see label_shares.h.
 template <DeviceType kType>
 HWY_INLINE Color sharedColorOf(const KernelFrame& frame, const KernelBox& box, const V3& at,
                                const Place& place, V label, V share, V ray_length) {
@@ -66,10 +65,14 @@ HWY_INLINE Color sharedColorOf(const KernelFrame& frame, const KernelBox& box, c
   if (frame.rows > 0)
     gradient = gradientOf(box, differencesOf<kType, Shading::kShares>(box, at, place));
   const Color one = entryAt(frame.label_entries, wholeOf(hn::Add(entry, all(0.5F))));
-  V a = hn::Mul(one.a, share);
+  V a = one.a;
   if (frame.rows > 0)
     a = hn::Mul(a, factorAt(frame, hn::Mul(gradient.unit, hn::Sqrt(gradient.squared)), entry));
-  a = corrected(a, hn::Mul(ray_length, all(frame.slice_length)));
+  const V whole = corrected(a, all(box.texel_length));
+  const V part = hn::Min(hn::Max(hn::MulAdd(all(2.0F), share, all(-0.5F)), hn::Zero(F())),
+                         all(1.0F));
+  a = corrected(hn::Mul(whole, part),
+                hn::Mul(ray_length, all(frame.slice_length / box.texel_length)));
   const Color color{hn::Mul(one.r, a), hn::Mul(one.g, a), hn::Mul(one.b, a), a};
   return frame.lit ? shadedSample<kType, Shading::kShares>(frame, box, at, place, color, gradient)
                    : color;

@@ -232,27 +232,6 @@ template <DeviceType kType>
 HWY_NOINLINE V labelAt(const KernelBox& box, Place place) {
   return heaviestOf(eightOf(rowsAround<kType>(box, place.offset).pair), weightsAt(place));
 }
-// The same in a chunk with two numbers a texel, and the label's share, see ChunkTexels: its mean
-// over the texels that have the label. `unit`: 1 / the number that stands for all finest voxels.
-struct SharedLabel {
-  V label, share;
-};
-template <DeviceType kType>
-HWY_NOINLINE SharedLabel sharedLabelAt(const KernelBox& box, Place place, float unit) {
-  const SpreadRows rows = spreadRowsAround<kType>(box, place.offset);
-  const EightNumbers values = eightOf(rows.mean), weights = weightsAt(place);
-  const EightNumbers others = eightOf(rows.spread);
-  const V label = heaviestOf(values, weights);
-  V whole = hn::Zero(F()), lost = hn::Zero(F());
-  for (int i = 0; i < 8; ++i) {
-    const V weight = hn::IfThenElseZero(hn::Eq(values.at(i), label), weights.at(i));
-    whole = hn::Add(whole, weight);
-    lost = hn::MulAdd(weight, others.at(i), lost);
-  }
-  const V part = hn::Div(hn::Mul(lost, all(unit)), hn::Max(whole, all(1e-20F)));
-  return {label, hn::Sub(all(1.0F), hn::Min(hn::Max(part, hn::Zero(F())), all(1.0F)))};
-}
-
 // Half of the difference; a NaN neighbour tells nothing of the slope along its axis.
 template <DeviceType kType>
 HWY_INLINE V halfDifference(V next, V last) {

@@ -60,9 +60,8 @@ struct LookUp {
   std::vector<float> factors = {};
   // Composite only: values are labels, see TransferFunction. A sample takes the value whose texels,
   // among the eight around it, have the greatest weight together; of two values with the same
-  // weight (to kLabelTie), the greater. In chunks with shares (ChunkTexels) its opacity of a unit
-  // length is multiplied by its mean share in these texels, so that a label that fills a part of a
-  // coarse voxel shows as much as it does in fine ones.
+  // weight (to kLabelTie), the greater. Chunks with shares (ChunkTexels) have a rule of their own,
+  // see label_shares.h.
   bool labels = false;
   // Composite only, not of labels: see FrameSetup::has_surfaces. Ascending by level, at most
   // kMostSurfaces.

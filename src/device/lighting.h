@@ -12,7 +12,7 @@
 // Sobel's operator at the eight texels around the sample, interpolated, so that only what shows has
 // a surface, whatever the numbers, and the steps of voxels leave fewer traces on it: the brightness
 // of a ball is half as far from a sphere's as with central differences of the numbers
-// (tests/render/modes_test.cpp).
+// (tests/render/modes_test.cpp). Chunks with shares: see label_shares.h.
 //
 // With a LightVolume, a share `key` of the first light arrives at the sample, and a share `open` of
 // all other light: s_1 is multiplied by `key`, s_2 and `ambient` by `open`, and the colour of flat

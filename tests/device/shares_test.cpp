@@ -142,8 +142,9 @@ class SharesTest : public testing::Test {
   static inline std::unique_ptr<Device> device_;
 };
 
-TEST_F(SharesTest, ofOneAreThePictureOfTheLabels) {
-  const auto whole = [](int64_t i) { return Texel{patchAt(i).label, 1}; };
+// Where a label is hidden, shares make a smooth edge; else whole labels are the labels alone.
+TEST_F(SharesTest, ofOneAreThePictureOfLabelsThatAllShow) {
+  const auto whole = [](int64_t i) { return Texel{std::max(1, patchAt(i).label), 1}; };
   for (const DeviceType type : kTypes)
     for (const Seen& seen : allSeen()) {
       const FrameSetup setup = setupOf(seen, type);
@@ -171,27 +172,104 @@ TEST_F(SharesTest, giveThePictureOfPlainLoops) {
       }
 }
 
-// n unit lengths of a label that fills a share of them let (1 - share * opacity)^n through.
-TEST_F(SharesTest, theOpacityIsThatOfTheShare) {
+// A share of s shows as clamp(2 s - 1/2, 0, 1) of a whole voxel's opacity: n voxels let
+// (1 - part * opacity)^n through.
+TEST_F(SharesTest, theOpacityIsThatOfTheShareOfAVoxel) {
   PlainDevice plain;
   for (Device* device : {device_.get(), static_cast<Device*>(&plain)})
     for (const Projection projection : {Projection::kOrtho, Projection::kPerspective})
-      for (const double share : {0.2, 0.6, 0.8}) {
-        FrameSetup setup = setupOf({projection, false, true}, DeviceType::kF32);
-        LookUp look_up = *setup.look_up;
-        const auto with = [&](double opacity, double texel_share, bool has_shares) {
-          LookUp other = look_up;
-          for (size_t i = 7; i < other.rgba.size(); i += 4)
-            other.rgba[i] = static_cast<float>(opacity);
-          setup.look_up = std::make_shared<const LookUp>(other);
-          const auto texel = [&](auto) { return Texel{4, texel_share}; };
-          return drawOn(*device, setup, chunkOf(texel, DeviceType::kF32, has_shares));
-        };
-        const Picture expected = with(0.25 * share, 1, false);
-        EXPECT_GT(mostOpacity(expected), 0.3);
-        EXPECT_LT(worstOf(with(0.25, share, true), expected), 1)
-            << device->backend() << ' ' << share;
+      for (const double side : {1.0, 2.0})
+        for (const auto& [share, part] :
+             {std::pair{0.2, 0.0}, {0.4, 0.3}, {0.6, 0.7}, {0.8, 1.0}}) {
+          FrameSetup setup = setupOf({projection, false, true}, DeviceType::kF32);
+          LookUp look_up = *setup.look_up;
+          const auto with = [&](double opacity, double texel_share, bool has_shares) {
+            LookUp other = look_up;
+            for (size_t i = 7; i < other.rgba.size(); i += 4)
+              other.rgba[i] = static_cast<float>(opacity);
+            setup.look_up = std::make_shared<const LookUp>(other);
+            const auto texel = [&](auto) { return Texel{4, texel_share}; };
+            return drawOn(*device, setup, chunkOf(texel, DeviceType::kF32, has_shares),
+                          Vec3d{1, 1, 1} * (1 / side));
+          };
+          const double voxel = part * (1 - std::pow(1 - 0.25, side));
+          const Picture expected = with(1 - std::pow(1 - voxel, 1 / side), 1, false);
+          EXPECT_EQ(mostOpacity(expected) > 0.2, part > 0);
+          EXPECT_LT(worstOf(with(0.25, share, true), expected), 1)
+              << device->backend() << ' ' << share << ' ' << side;
+        }
+}
+
+// A ball of label 4, in voxels of level 0 and in coarse ones, most of which it fills in part.
+struct Ball {
+  static constexpr int64_t kSide = 48;
+  static bool has(Vec3i p) { return length(toDouble(p) - Vec3d{23.2, 24.1, 22.7}) < 15.3; }
+  static Texel coarseAt(Vec3i at, int64_t factor) {
+    int64_t count = 0;
+    for (int64_t i = 0; i < factor * factor * factor; ++i)
+      if (has(at * factor + Vec3i{i % factor, i / factor % factor, i / (factor * factor)})) ++count;
+    const double share = static_cast<double>(count) / std::pow(static_cast<double>(factor), 3);
+    return share > 0.5 ? Texel{4, share} : Texel{0, 1 - share};
+  }
+};
+
+// The opacities of a ball's picture from above one pixel a voxel.
+Picture ballPicture(Device& device, int64_t factor, double opacity) {
+  VolumeLayout layout;
+  layout.dims = {Ball::kSide, Ball::kSide, Ball::kSide};
+  FrameOptions options;
+  options.camera.azimuth_deg = 33;
+  options.camera.elevation_deg = 21;
+  options.size = {64, 64};
+  options.step_vox = 0.5;
+  TransferFunction transfer{
+      {{0, {1, 1, 1}}, {9, {1, 1, 1}}}, {{0, 0}, {1, opacity}, {9, opacity}}, "t"};
+  transfer.labels = true;
+  const ValueMap map = deviceMap(layout);
+  FrameSetup setup = frameSetup(resolve(options.camera, layout, options.size, options.step_vox),
+                                layout, OpacityTable(transfer, map, kRange), map, options);
+  setup.type = DeviceType::kF32;
+  const int64_t side = Ball::kSide / factor;
+  std::vector<float> numbers;
+  for (int64_t i = 0; i < side * side * side; ++i) {
+    const Texel texel = Ball::coarseAt({i % side, i / side % side, i / (side * side)}, factor);
+    numbers.push_back(static_cast<float>(texel.label));
+    if (factor > 1) numbers.push_back(static_cast<float>(1 - texel.share));
+  }
+  const std::span<const std::byte> bytes = std::as_bytes(std::span(numbers));
+  auto chunk = std::make_shared<ChunkTexels>(
+      *chunkTexels({side, side, side}, DeviceType::kF32, {bytes.begin(), bytes.end()}));
+  chunk->has_spread = factor > 1;
+  BoxDraw box;
+  box.chunk = 1;
+  box.cells = boxOf({Ball::kSide - 1, Ball::kSide - 1, Ball::kSide - 1});
+  const double scale = 1 / static_cast<double>(factor);
+  box.texels.scale = {scale, scale, scale};
+  box.texels.offset = Vec3d{1, 1, 1} * ((scale - 1) / 2);
+  device.makeResident(1, chunk);
+  device.beginFrame(setup);
+  device.draw({&box, 1});
+  Picture picture = device.endFrame();
+  device.evict(1);
+  return picture;
+}
+
+// A coarse ball is as large as the fine one, and as opaque, though each voxel has one label:
+// without what hidden labels leave of the voxels around it, it would be smaller by half a voxel.
+TEST_F(SharesTest, aBallIsAsLargeInCoarseVoxels) {
+  for (const double opacity : {0.03, 0.3, 1.0})
+    for (const int64_t factor : {2, 4}) {
+      const Picture fine = ballPicture(*device_, 1, opacity);
+      const Picture coarse = ballPicture(*device_, factor, opacity);
+      double area = 0, coarse_area = 0, off = 0;
+      for (size_t i = 3; i < fine.rgba.size(); i += 4) {
+        area += fine.rgba[i];
+        coarse_area += coarse.rgba[i];
+        off += std::abs(fine.rgba[i] - coarse.rgba[i]);
       }
+      EXPECT_NEAR(coarse_area / area, 1, factor == 2 ? 0.01 : 0.04) << opacity << ' ' << factor;
+      EXPECT_LT(off / area, factor == 2 ? 0.03 : 0.07) << opacity << ' ' << factor;
+    }
 }
 
 TEST_F(SharesTest, leapingLeavesOutNothingThatShows) {

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "src/base/error.h"
 #include "src/device/blue_noise.h"
@@ -287,6 +288,7 @@ void PlainDevice::take(const Ray& ray, const BoxDraw& box, const ChunkTexels& ch
     const bool labels = composite && look_up.labels;
     ++taken_;
     double value = 0;
+    std::optional<ShownLabel> shown;
     std::array<double, 4> rgba{};
     if (setup_.integrates) {
       const auto valueBeside = [&](double slices) {
@@ -303,12 +305,16 @@ void PlainDevice::take(const Ray& ray, const BoxDraw& box, const ChunkTexels& ch
       value = (front + back) / 2;
       rgba = mean_look_->between(front, back);
     } else {
-      value = labels ? labelAt(chunk, texel) : valueAt(chunk, texel);
+      if (labels && chunk.has_spread) {
+        shown = shownLabelAt(chunk, look_up, texel);
+        value = shown->label;
+      } else {
+        value = labels ? labelAt(chunk, texel) : valueAt(chunk, texel);
+      }
       if (value < kNoNumber && !setup_.has_surfaces) return true;
       if (value >= kNoNumber) rgba = lookedUp(look_up, value, look_up.interpolates || !composite);
     }
     const double spread = chunk.has_spread && composite && !labels ? spreadAt(chunk, texel) : 0;
-    if (chunk.has_spread && labels) rgba[3] *= shareAt(chunk, texel, value);
     if (rgba[3] <= 0 && !(spread > 0)) {
       if (setup_.has_surfaces) blendSurfaces(ray, box, chunk, k, {}, pixel);
       return true;
@@ -352,8 +358,12 @@ void PlainDevice::take(const Ray& ray, const BoxDraw& box, const ChunkTexels& ch
             gradient + setup_.camera_gradient[axis] * (0.5 * (next - last) * box.texels.scale[a]);
       }
     const double factor = factorOf(look_up, length(gradient), value);
+    const double lengths = setup_.slice_length * ray.length;
     const auto opacityOf = [&](double one) {
-      return 1 - std::pow(1 - one * factor, setup_.slice_length * ray.length);
+      if (!shown) return 1 - std::pow(1 - one * factor, lengths);
+      const Vec3d scale = box.texels.scale;
+      return sharedOpacity(one * factor, shown->share, lengths,
+                           std::pow(scale.x * scale.y * scale.z, -1.0 / 3));
     };
     double opacity = opacityOf(rgba[3]);
     Vec3d rgb{rgba[0], rgba[1], rgba[2]};

@@ -76,40 +76,78 @@ double spreadAt(const ChunkTexels& chunk, Vec3d at) {
   }));
 }
 
-double labelAt(const ChunkTexels& chunk, Vec3d at) {
-  const Vec3d lo{std::floor(at.x), std::floor(at.y), std::floor(at.z)};
+namespace {
+
+// The label with the greatest weight among the texels around that count, which these are.
+template <class Counts>
+double heaviestAt(const ChunkTexels& chunk, Vec3d at, const Counts& counts) {
   std::map<double, double> weights;
-  for (int corner = 0; corner < 8; ++corner) {
-    double weight = 1;
-    Vec3i texel;
-    for (int a = 0; a < 3; ++a) {
-      const int up = corner >> a & 1;
-      texel[a] = static_cast<int64_t>(lo[a]) + up;
-      weight *= up != 0 ? at[a] - lo[a] : 1 - (at[a] - lo[a]);
-    }
-    weights[texelAt(chunk, texel)] += weight;
-  }
-  double best = 0, most = -1;
-  for (const auto& [value, weight] : weights)
+  interpolated(at, [&](Vec3i texel) {
+    const double label = texelAt(chunk, texel);
+    if (counts(label)) weights[label] = 0;
+    return 0.0;
+  });
+  double best = texelAt(
+      chunk, {static_cast<int64_t>(std::floor(at.x)), static_cast<int64_t>(std::floor(at.y)),
+              static_cast<int64_t>(std::floor(at.z))});
+  double most = -1;
+  for (const auto& [label, unused] : weights) {
+    const double weight =
+        interpolated(at, [&](Vec3i texel) { return texelAt(chunk, texel) == label ? 1.0 : 0.0; });
     if (weight > most - kLabelTie) {
-      best = value;
+      best = label;
       most = weight;
     }
+  }
   return best;
 }
 
-double shareAt(const ChunkTexels& chunk, Vec3d at, double label) {
-  const auto hasLabel = [&](Vec3i texel) { return texelAt(chunk, texel) == label; };
-  const double whole = interpolated(at, [&](Vec3i texel) { return hasLabel(texel) ? 1.0 : 0.0; });
-  const double others = interpolated(
-      at, [&](Vec3i texel) { return hasLabel(texel) ? texelAt(chunk, texel, 1) : 0.0; });
-  return 1 - others / whole / wholeShare(chunk.type);
+}  // namespace
+
+double labelAt(const ChunkTexels& chunk, Vec3d at) {
+  return heaviestAt(chunk, at, [](double) { return true; });
+}
+
+ShownLabel shownLabelAt(const ChunkTexels& chunk, const LookUp& look_up, Vec3d at) {
+  const auto shows = [&](double label) {
+    return label >= kNoNumber && lookedUp(look_up, label, false)[3] > 0;
+  };
+  const double share = interpolated(at, [&](Vec3i texel) {
+    const double others = std::clamp(texelAt(chunk, texel, 1) / wholeShare(chunk.type), 0.0, 1.0);
+    return shows(texelAt(chunk, texel)) ? 1 - others : others;
+  });
+  return {heaviestAt(chunk, at, shows), share};
+}
+
+double sharedOpacity(double opacity, double share, double lengths, double voxel) {
+  const double whole = 1 - std::pow(1 - opacity, voxel);
+  return 1 - std::pow(1 - std::clamp(2 * share - 0.5, 0.0, 1.0) * whole, lengths / voxel);
 }
 
 Vec3d labelSlopesAt(const ChunkTexels& chunk, const LookUp& look_up, Vec3d at) {
+  const Vec3i first{static_cast<int64_t>(std::floor(at.x)) - 1,
+                    static_cast<int64_t>(std::floor(at.y)) - 1,
+                    static_cast<int64_t>(std::floor(at.z)) - 1};
+  std::array<double, 64> opacities{};  // of the texels around, x fastest
+  std::map<double, double> shown;      // labels and their opacities
+  const auto texelOf = [&](size_t i) {
+    const auto n = static_cast<int64_t>(i);
+    return first + Vec3i{n % 4, n / 4 % 4, n / 16};
+  };
+  for (size_t i = 0; i < opacities.size(); ++i) {
+    const double label = texelAt(chunk, texelOf(i));
+    opacities[i] = label < kNoNumber ? 0.0 : lookedUp(look_up, label, false)[3];
+    if (opacities[i] > 0) shown[label] = opacities[i];
+  }
+  if (chunk.has_spread && shown.size() == 1)
+    for (size_t i = 0; i < opacities.size(); ++i) {
+      const double others =
+          std::clamp(texelAt(chunk, texelOf(i), 1) / wholeShare(chunk.type), 0.0, 1.0);
+      opacities[i] = shown.begin()->second * (opacities[i] > 0 ? 1 - others : others);
+    }
   const auto opacityOf = [&](Vec3i texel) {
-    const double label = texelAt(chunk, texel);
-    return label < kNoNumber ? 0.0 : lookedUp(look_up, label, false)[3];
+    const Vec3i way = texel - first;
+    return opacities.at(static_cast<size_t>(way.x + 4 * way.y + 16 * way.z));
   };
   Vec3d slopes;
   for (int axis = 0; axis < 3; ++axis)

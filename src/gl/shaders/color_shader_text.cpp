@@ -227,30 +227,110 @@ vec4 entryColor(float value, float entry) {
 #endif
 }
 
+#if LABELS
+#if SHARES
+uniform float share_unit;    // 1 / the second number of a texel none of which has the label
+#endif
+// The opacity of a unit length of a texel's label; and, if chunks have shares, the share of what
+// shows if this label or another beside it does.
+vec2 shownOf(vec2 both) {
+  float opacity = entryColor(both.r, entryOf(both.r)).a;
+#if SHARES
+  float rest = clamp(both.g * share_unit, 0.0, 1.0);
+  return vec2(opacity, opacity > 0.0 ? 1.0 - rest : rest);
+#else
+  return vec2(opacity, 1.0);
+#endif
+}
+// The label of a sample, see LookUp; and, if chunks have shares, the share of what shows, see
+// label_shares.h.
+vec2 labelAt(vec3 at) {
+  const float kTie = 1e-3;
+  Corners c = cornersAt(at);
+  float values[8];
+  float weights[8];
+  float share = 0.0;
+  for (int i = 0; i < 8; ++i) {
+    vec2 both = texelOf(c, i);
+    values[i] = both.r;
+    weights[i] = weightOf(c, i);
+#if SHARES
+    vec2 shown = shownOf(both);
+    share += weights[i] * shown.y;
+    // Below what any label that shows has together: those win.
+    if (!(shown.x > 0.0)) weights[i] = -2.0;
+#endif
+  }
+  float best = values[0], most = -1.0;
+  for (int i = 0; i < 8; ++i) {
+    float weight = 0.0;
+    for (int k = 0; k < 8; ++k) weight += values[k] == values[i] ? weights[k] : 0.0;
+    if (weight > most + kTie || (weight > most - kTie && values[i] > best)) {
+      best = values[i];
+      most = weight;
+    }
+  }
+  return vec2(best, share);
+}
+#endif
+
+#if SHARES
+// The opacity of a sample of a label that a share of the finest voxels has, see label_shares.h.
+float sharedOpacity(float opacity, float share, float lengths) {
+  float texel_length = pow(TEXEL_SCALE.x * TEXEL_SCALE.y * TEXEL_SCALE.z, -1.0 / 3.0);
+  float whole = corrected(opacity, texel_length);
+  return corrected(whole * clamp(2.0 * share - 0.5, 0.0, 1.0), lengths / texel_length);
+}
+#endif
+
 #if LABELS && LIT
-// The change of the labels' opacity from texel to texel, by Sobel's operator at the eight texels
-// around a place, interpolated: see lighting.h.
-float opacityAt(ivec3 texel) {
-  float label = texelFetch(chunk, clamp(texel, ivec3(0), textureSize(chunk, 0) - 1), 0).r;
-  return entryColor(label, entryOf(label)).a;
+vec2 storedAt(ivec3 texel) {
+  return texelFetch(chunk, clamp(texel, ivec3(0), textureSize(chunk, 0) - 1), 0).rg;
+}
+// The opacity of the one label that shows in the 4 x 4 x 4 texels around a cell; 0: none does, or
+// several do, or chunks have no shares.
+float soleOpacity(ivec3 cell) {
+  float opacity = 0.0;
+#if SHARES
+  float least = 3e38, greatest = -3e38;
+  for (int i = 0; i < 64; ++i) {
+    vec2 both = storedAt(cell + ivec3(i % 4, i / 4 % 4, i / 16) - 1);
+    float one = shownOf(both).x;
+    if (one > 0.0) {
+      least = min(least, both.r);
+      greatest = max(greatest, both.r);
+      opacity = one;
+    }
+  }
+  if (least < greatest) opacity = 0.0;
+#endif
+  return opacity;
+}
+float opacityAt(ivec3 texel, float sole) {
+  vec2 shown = shownOf(storedAt(texel));
+  return sole > 0.0 ? sole * shown.y : shown.x;
 }
 // Sobel's weights of four texels along an axis, for the slope along it and a mean across it.
 vec4 slopeWeights(float part) { return 0.5 * vec4(part - 1.0, -part, 1.0 - part, part); }
 vec4 meanWeights(float part) {
   return 0.25 * vec4(1.0 - part, 2.0 - part, 1.0 + part, part);
 }
+// The slopes that light labels, from texel to texel, by Sobel's operator at the eight texels around
+// a place, interpolated: see lighting.h and label_shares.h.
 vec3 labelSlopes(vec3 at) {
   vec3 texel = at / texel_size - 0.5;
   vec3 low = floor(texel), part = texel - low;
   vec4 slope_x = slopeWeights(part.x), slope_y = slopeWeights(part.y);
   vec4 mean_x = meanWeights(part.x), mean_y = meanWeights(part.y);
   vec4 planes_x, planes_y, planes_z;
+  float sole = soleOpacity(ivec3(low));
   for (int k = 0; k < 4; ++k) {
     vec4 slopes, means;
     for (int j = 0; j < 4; ++j) {
       ivec3 row = ivec3(low) + ivec3(-1, j - 1, k - 1);
-      vec4 opacity = vec4(opacityAt(row), opacityAt(row + ivec3(1, 0, 0)),
-                          opacityAt(row + ivec3(2, 0, 0)), opacityAt(row + ivec3(3, 0, 0)));
+      vec4 opacity =
+          vec4(opacityAt(row, sole), opacityAt(row + ivec3(1, 0, 0), sole),
+               opacityAt(row + ivec3(2, 0, 0), sole), opacityAt(row + ivec3(3, 0, 0), sole));
       slopes[j] = dot(opacity, slope_x);
       means[j] = dot(opacity, mean_x);
     }
@@ -290,8 +370,11 @@ vec4 shownColor(vec4 color, float value, float share, float entry, vec3 at, floa
 #endif
   factor = factorOf(unit * sqrt(squared), entry);
 #endif
-#if GRADIENT_ROWS > 0 || LABELS
-  color.a = corrected(color.a * share * factor, voxel_lengths);
+#if SHARES
+  color.a = sharedOpacity(color.a * factor, share, voxel_lengths);
+  color.rgb *= color.a;
+#elif GRADIENT_ROWS > 0 || LABELS
+  color.a = corrected(color.a * factor, voxel_lengths);
   color.rgb *= color.a;
 #elif INTEGRATES
   color.a = 1.0 - exp2(-color.a * ray_length);

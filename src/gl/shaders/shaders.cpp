@@ -81,7 +81,8 @@ constexpr const char* kOfChannels[] = {
     "turn",          "view_reflection", "visible",          "visible_texels",
     "weightOf",      "labelSlopes",     "opacityAt",        "slopeWeights",
     "meanWeights",   "texel_scale",     "share_unit",       "expected",
-    "expected_line", "expectedColor",   "spreadShareAt",    "expected_length"};
+    "expected_line", "expectedColor",   "spreadShareAt",    "expected_length",
+    "sharedOpacity", "shownOf",         "soleOpacity",      "storedAt"};
 
 // The text of one channel: the same as that of a single one, with names of its own.
 std::string channelText(const ShaderVariant& variant, size_t channel) {

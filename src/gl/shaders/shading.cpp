@@ -169,6 +169,7 @@ ShaderVariant frameVariant(const FrameSetup& setup, bool fetches) {
 ShaderVariant boxVariant(ShaderVariant frame, Vec3d scale, bool has_spread) {
   frame.scaled = scale != Vec3d{1, 1, 1};
   frame.shares = has_spread && frame.labels;
+  frame.corrects = frame.corrects || frame.shares;
   frame.spread = has_spread && !frame.labels && frame.combining == Combining::kBlend;
   // A spread may show where the value does not.
   frame.rough_first = frame.rough_first && !frame.spread;

@@ -77,51 +77,6 @@ vec2 texelAt(vec3 at) {
 #endif
 }
 
-#if LABELS
-#if SHARES
-uniform float share_unit;    // 1 / the second number of a texel none of which has the label
-#endif
-// The value that has the greatest weight among the eight texels around, see LookUp; and, if chunks
-// have shares, its mean share in those that have it.
-vec2 labelAt(vec3 at) {
-  const float kTie = 1e-3;
-  Corners c = cornersAt(at);
-  float values[8];
-  float weights[8];
-#if SHARES
-  float others[8];
-#endif
-  for (int i = 0; i < 8; ++i) {
-    vec2 both = texelOf(c, i);
-    values[i] = both.r;
-#if SHARES
-    others[i] = both.g;
-#endif
-    weights[i] = weightOf(c, i);
-  }
-  float best = values[0], most = -1.0;
-  for (int i = 0; i < 8; ++i) {
-    float weight = 0.0;
-    for (int k = 0; k < 8; ++k) weight += values[k] == values[i] ? weights[k] : 0.0;
-    if (weight > most + kTie || (weight > most - kTie && values[i] > best)) {
-      best = values[i];
-      most = weight;
-    }
-  }
-#if SHARES
-  float whole = 0.0, lost = 0.0;
-  for (int i = 0; i < 8; ++i)
-    if (values[i] == best) {
-      whole += weights[i];
-      lost += weights[i] * others[i];
-    }
-  return vec2(best, 1.0 - clamp(lost * share_unit / max(whole, 1e-20), 0.0, 1.0));
-#else
-  return vec2(best, 1.0);
-#endif
-}
-#endif
-
 #if PLANES && FLOATS
 // On a voxel plane the voxels beside it have no part, but rounding gives them one, and of a texel
 // that stands for NaN the least is too much: here it is none.

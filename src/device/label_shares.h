@@ -1,0 +1,37 @@
+// How labels look in coarse voxels, each of which has its most frequent label and that label's
+// share of the finest voxels in it (ChunkTexels).
+//
+// A label that shows nothing, of opacity 0, does not compete for a sample: the sample takes the
+// label of the greatest weight among those of the eight texels around it that show. In its place
+// the shown labels have the share
+//   sum of weight * (the texel's label shows ? its share : 1 - its share),
+// since what a hidden label leaves of a voxel belongs to the labels beside it; without that, the
+// outer voxels of a body, less than half of which it fills, would be holes around it.
+//
+// Interpolating shares spreads the edge of a body over two voxels, and a body that every ray meets
+// twice as early looks thicker. So the shares count as a step around one half, where the surface of
+// the finest voxels lies: clamp(2 * share - 1/2, 0, 1).
+//
+// The labels of bodies are no fog: what hides a ray in the front half of a voxel hides the back
+// half, too. So that part applies to the opacity of a whole voxel, and not to that of a unit
+// length: a sample of l unit lengths in voxels of v has the opacity 1 - (1 - part * a)^(l / v),
+// where a is the opacity of v unit lengths.
+// Light falls on the slopes of the labels' opacity, see lighting.h; around a place where one label
+// alone shows, on those of its share times its opacity, or the surface would have the steps of the
+// coarse voxels. Between two labels that show, each voxel counts whole: their shares would make a
+// furrow there.
+#pragma once
+
+#include <cmath>
+
+#include "src/base/values/vec.h"
+
+namespace sluice {
+
+// The side of a cube as large as a texel, in voxels of level 0. `scale`: texels a voxel, along each
+// axis.
+inline double texelLength(Vec3d scale) {
+  return 1 / std::cbrt(std::abs(scale.x * scale.y * scale.z));
+}
+
+}  // namespace sluice
