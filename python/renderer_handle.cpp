@@ -55,6 +55,17 @@ py::dict memoryOf(const PicturePlan::Memory& memory) {
       py::arg("machine_bytes") = memory.machine_bytes, py::arg("fits") = memory.fits);
 }
 
+// The levels of resolution, if the volume has several.
+void addCut(const PicturePlan& plan, py::dict& out) {
+  if (plan.levels.empty()) return;
+  py::list levels;
+  for (const PicturePlan::Level& each : plan.levels)
+    levels.append(py::dict(py::arg("level") = each.level, py::arg("blocks") = each.blocks,
+                           py::arg("cells") = each.cells));
+  out["cut"] = py::dict(py::arg("levels") = levels, py::arg("coarse_share") = plan.coarse_share,
+                        py::arg("final") = plan.is_refined);
+}
+
 // The plan as a dict with the names of `sluice plan --json`.
 py::dict planned(const PicturePlan& plan) {
   py::dict algorithms;
@@ -75,13 +86,18 @@ py::dict planned(const PicturePlan& plan) {
   out["classify_seconds"] = plan.classify_seconds;
   out["plan_seconds"] = plan.plan_seconds;
   out["seconds"] = plan.classify_seconds + plan.plan_seconds;
-  if (plan.levels.empty()) return out;
-  py::list levels;
-  for (const PicturePlan::Level& each : plan.levels)
-    levels.append(py::dict(py::arg("level") = each.level, py::arg("blocks") = each.blocks,
-                           py::arg("cells") = each.cells));
-  out["cut"] = py::dict(py::arg("levels") = levels, py::arg("coarse_share") = plan.coarse_share,
-                        py::arg("final") = plan.is_refined);
+  addCut(plan, out);
+  if (plan.channels.empty()) return out;
+  py::list channels;
+  for (const PicturePlan& each : plan.channels) {
+    py::dict channel = planned(each);
+    // A number, or "over".
+    channel["channel"] = each.channel == "over" ? py::object(py::str(each.channel))
+                                                : py::object(py::int_(py::str(each.channel)));
+    channel["name"] = each.name;
+    channels.append(channel);
+  }
+  out["channels"] = channels;
   return out;
 }
 

@@ -207,13 +207,18 @@ std::vector<std::filesystem::path> traceFiles(const std::filesystem::path& path,
   return {path, trace_internal::companionOf(path)};
 }
 
+void refuseCompressed(const std::filesystem::path& path) {
+  const std::filesystem::path plain = trace_internal::withoutPackedEnding(path);
+  if (plain != path)
+    fail("{}: compressed traces are read, not written; name it {} and compress it afterwards",
+         path.string(), plain.filename().string());
+}
+
 std::unique_ptr<TraceWriter> makeTraceWriter(const std::filesystem::path& path, TraceFormat format,
                                              uint64_t page_bytes) {
   using namespace trace_internal;
   SLUICE_CHECK_LT(uint64_t{0}, page_bytes);
-  if (withoutPackedEnding(path) != path)
-    fail("{}: compressed traces are read, not written; name it {} and compress it afterwards",
-         path.string(), withoutPackedEnding(path).filename().string());
+  refuseCompressed(path);
   switch (format) {
     case TraceFormat::kText:
       return makeTextWriter(path, page_bytes);

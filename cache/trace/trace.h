@@ -107,7 +107,9 @@ class TraceWriter {
 // Every file that a writer of this format makes: `path`, and oracleGeneral's companion.
 std::vector<std::filesystem::path> traceFiles(const std::filesystem::path& path,
                                               TraceFormat format);
-// Throws Error when the folder cannot be written, or when the name promises a compressed file.
+// Throws Error when the name promises a compressed file.
+void refuseCompressed(const std::filesystem::path& path);
+// Throws as refuseCompressed() does, and Error when the folder cannot be written.
 std::unique_ptr<TraceWriter> makeTraceWriter(const std::filesystem::path& path, TraceFormat format,
                                              uint64_t page_bytes);
 

@@ -104,7 +104,7 @@ class Renderer {
   RenderReport report(bool maps = false) const;
 
   // The cost of a picture with these options and the look as it is. No voxel is read, unless the
-  // time step has no index yet. Throws as draw() does, and Error for several channels.
+  // time step has no index yet. Throws as draw() does.
   PicturePlan plan(const PictureOptions& picture = {}, const ProgressFunction& progress = {},
                    const std::stop_token& stop = {});
 
@@ -120,7 +120,7 @@ class Renderer {
   // From now on each request of the texture cache is written to this file, in the format of its
   // name as for `sluice render --trace`; empty: no longer. The file appears when it ends, or with
   // the Renderer's end. Several channels have a file each, "t_0.txt" and "t_over.txt" for "t.txt".
-  // Throws Error, also for channels that are blended.
+  // Throws Error.
   void recordTo(const std::string& path);
 
  private:

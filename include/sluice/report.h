@@ -97,6 +97,13 @@ struct PicturePlan {
   // read_blocks if the memory holds all of these.
   int64_t most_read_blocks = 0;
   uint64_t most_read_voxel_bytes = 0;
+
+  // The plan of each channel, if the picture shows several, or a volume over another one. The
+  // numbers above are then the sums of theirs, but for those of the levels, which are the first
+  // channel's.
+  std::vector<PicturePlan> channels;
+  // In the plan of a channel: its number, or "over", and its name as the file has it.
+  std::string channel, name;
 };
 
 // How often values occur: bin i of n holds lo + (hi - lo) / n * [i, i + 1), the last one hi too.

@@ -437,7 +437,8 @@ class Renderer:
         `blocks` counts those that are empty (white), trimmed (grey) and full (black); `algorithms`
         has the chunks, pages, bytes and binds of each way to trim and merge them; `read` the blocks
         and bytes of voxels that a first picture reads; `memory` the bytes that it takes, and whether
-        it fits; `cut` the levels of resolution, if the volume has several.
+        it fits; `cut` the levels of resolution, if the volume has several; `channels` the plan of
+        each channel, if the picture shows several, or a volume over another one.
 
             >>> plan = sluice.open('synth:phantom,dims=64x64x64').plan(threshold=40)
             >>> plan['read']['voxel_bytes'] <= 66**3, plan['memory']['fits']

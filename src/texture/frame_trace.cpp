@@ -15,8 +15,13 @@ TraceRecord requestFor(const TexturePlan& plan, ChunkPosition chunk, ChunkName n
 
 std::vector<TraceRecord> frameRequests(const TexturePlan& plan, const ChunkNameList& names,
                                        const EyePosition& eye, int64_t frame) {
+  return frameRequests(plan, names, clusterOrder(plan, eye), frame);
+}
+
+std::vector<TraceRecord> frameRequests(const TexturePlan& plan, const ChunkNameList& names,
+                                       std::span<const ClusterPosition> order, int64_t frame) {
   std::vector<TraceRecord> records;
-  for (const ClusterPosition cluster : clusterOrder(plan, eye))
+  for (const ClusterPosition cluster : order)
     for (const ChunkPosition chunk : plan.clusters[cluster].chunks)
       records.push_back(requestFor(plan, chunk, names[chunk], cluster, frame));
   return records;

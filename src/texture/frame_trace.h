@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "cache/trace/trace.h"
@@ -18,6 +19,9 @@ TraceRecord requestFor(const TexturePlan& plan, ChunkPosition chunk, ChunkName n
 // All of a frame's. `names` are of plan.chunks.
 std::vector<TraceRecord> frameRequests(const TexturePlan& plan, const ChunkNameList& names,
                                        const EyePosition& eye, int64_t frame);
+// The same of a frame that visits the clusters in this order.
+std::vector<TraceRecord> frameRequests(const TexturePlan& plan, const ChunkNameList& names,
+                                       std::span<const ClusterPosition> order, int64_t frame);
 
 // How often drawing the plan's blocks front to back changes from one chunk to another.
 int64_t bindCount(const TexturePlan& plan, const EyePosition& eye);

@@ -5,47 +5,14 @@
 
 #include <array>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
-#include <sstream>
 
-#include "tests/tools/program.h"
+#include "tests/tools/channels_fixture.h"
 
 namespace sluice {
 namespace {
 
 using testing::HasSubstr;
 using testing::StartsWith;
-
-// Files of channels by zarr-python and tifffile, which are sought in the system's own Python.
-class Channels : public testing::Test {
- protected:
-  void SetUp() override {
-    if (runCommand("/usr/bin/python3 -c 'import numpy, PIL, tifffile, zarr'").status != 0)
-      GTEST_SKIP() << "python3 with numpy, pil, tifffile and zarr is missing";
-    ASSERT_EQ(python("write"), "");
-  }
-  std::string python(const std::string& arguments) const {
-    return program_.inFolder("/usr/bin/python3 " SLUICE_TEST_DIR "/tools/channels.py " + arguments)
-        .output;
-  }
-  // The largest difference of a picture and a sum, as the script prints it.
-  double difference(const std::string& arguments, double least = 150) const {
-    std::istringstream line(python(arguments));
-    double most = -1, brightest = 0;
-    std::string of;
-    line >> most >> of >> brightest;
-    EXPECT_GT(brightest, least) << arguments;
-    return most;
-  }
-  void render(const std::string& arguments, const std::string& size = "200x160") const {
-    const CommandResult result =
-        program_.run("render --force --fit volume --size " + size + " " + arguments);
-    ASSERT_EQ(result.status, 0) << result.output;
-  }
-
-  const Program program_;
-};
 
 // Opacities over the windows, and the colours, as omero has them.
 constexpr std::array<const char*, 3> kStoredLooks = {
@@ -374,59 +341,6 @@ TEST_F(Channels, aRowOfPicturesShowsAllInEachOfThem) {
   }
 }
 
-// Each channel has a cache of its own share, and the simulator's numbers are its real uploads.
-TEST_F(Channels, tracesOfChannelsCostWhatTheRendererUploadedForEach) {
-  for (const std::string device : {"cpu", "gl --gl osmesa"}) {
-    SCOPED_TRACE(device);
-    const CommandResult drawn = program_.run(
-        "render cells.ome.zarr --over flat.ome.zarr --frames 4 --size 60x50 --block 16 --page "
-        "16x16x4 --pages 32 -o t.png --force --trace t.bin --report r.json --device " +
-        device);
-    if (drawn.status != 0 && device != "cpu") GTEST_SKIP() << "no software OpenGL";
-    ASSERT_EQ(drawn.status, 0) << drawn.output;
-    const auto report = nlohmann::json::parse(readFile(program_.folder / "r.json"));
-    ASSERT_EQ(report["channels"].size(), 4);
-    const std::array<const char*, 4> names = {"t_0.bin", "t_1.bin", "t_2.bin", "t_over.bin"};
-    nlohmann::json sum = nlohmann::json::object();
-    for (size_t i = 0; i < names.size(); ++i) {
-      SCOPED_TRACE(names[i]);
-      const auto& cache = report["channels"][i]["levels"]["texture_cache"];
-      const std::string pages = std::to_string(cache["pages"].get<int64_t>());
-      const auto rows = program_.json(fmt::format(
-          "simulate {} --policies lru --sizes {} --pages {}", names[i], pages, pages))["rows"];
-      ASSERT_EQ(rows.size(), 1);
-      EXPECT_EQ(rows[0]["chunk_requests"], cache["requests"]);
-      EXPECT_EQ(rows[0]["chunk_misses"], cache["misses"]);
-      EXPECT_EQ(rows[0]["evictions"], cache["evictions"]);
-      EXPECT_EQ(rows[0]["pages_loaded"], cache["pages_loaded"]);
-      EXPECT_GT(cache["evictions"].get<int64_t>() + cache["hits"].get<int64_t>(), 0);
-      EXPECT_EQ(cache["uploaded_bytes"],
-                device == "cpu" ? nlohmann::json(0) : rows[0]["bytes_moved"]);
-      for (const char* key : {"requests", "misses", "evictions", "pages_loaded", "uploaded_bytes"})
-        sum[key] = sum.value(key, int64_t{0}) + cache[key].get<int64_t>();
-    }
-    for (const auto& [key, value] : sum.items())
-      EXPECT_EQ(report["levels"]["texture_cache"][key], value) << key;
-    EXPECT_FALSE(program_.exists("t.bin"));
-  }
-}
-
-TEST_F(Channels, tracesReplaceOnlyTraces) {
-  std::ofstream(program_.folder / "t_1.txt") << "mine";
-  const std::string command = "render cells.ome.zarr --size 60x50 -o a.png --trace t.txt";
-  const CommandResult refused = program_.run(command);
-  EXPECT_EQ(refused.status, 1);
-  EXPECT_THAT(refused.output, HasSubstr("--trace t_1.txt: exists and is not a trace"));
-  EXPECT_EQ(readFile(program_.folder / "t_1.txt"), "mine");
-  EXPECT_FALSE(program_.exists("t_0.txt"));
-  EXPECT_EQ(program_.run(command + " --force").status, 0);
-  EXPECT_EQ(program_.run(command).status, 0) << "a trace replaces a trace";
-  EXPECT_THAT(readFile(program_.folder / "t_1.txt"), StartsWith("sluice-trace 1"));
-  EXPECT_THAT(
-      program_.run("render cells.ome.zarr -o a.png --trace t.txt --report t_0.txt --force").output,
-      HasSubstr("is the same file as"));
-}
-
 TEST_F(Channels, wrongOnesAreRefusedInOneLine) {
   const std::vector<std::pair<std::string, std::string>> wrong = {
       {"cells.ome.zarr --channel 0,7 -o a.png",
@@ -443,8 +357,6 @@ TEST_F(Channels, wrongOnesAreRefusedInOneLine) {
       {"cells.ome.zarr --look 1:red --look Actin:green -o a.png",
        "sluice: --look Actin:green: channel 1 (Actin) has --look 1:red already; give one of "
        "them\n"},
-      {"cells.ome.zarr --trace t.csv --combine blend -o a.png",
-       "sluice: t.csv: a trace records channels that are added; leave out --combine blend\n"},
       {"cells.ome.zarr --culling toc -o a.png",
        "sluice: cells.ome.zarr: --culling looks at one channel, not 3; give one --channel\n"}};
   for (const auto& [arguments, message] : wrong) {

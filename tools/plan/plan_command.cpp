@@ -12,7 +12,7 @@
 #include "src/base/threads/clock.h"
 #include "src/base/values/bytes.h"
 #include "src/library/drawing/device_choice.h"
-#include "src/library/drawing/picture_cost.h"
+#include "src/library/drawing/planned_channels.h"
 #include "src/library/opening/thick_source.h"
 #include "tools/command_line/console.h"
 #include "tools/command_line/interrupt.h"
@@ -26,9 +26,9 @@
 #include "tools/pages/report_file.h"
 #include "tools/plan/plan_boxes.h"
 #include "tools/plan/plan_forecast.h"
+#include "tools/plan/plan_report.h"
 #include "tools/plan/plan_server.h"
-#include "tools/plan/planned_channel.h"
-#include "tools/scene/open_scene.h"
+#include "tools/scene/opened_picture.h"
 #include "tools/scene/series.h"
 #include "tools/scene/workers.h"
 
@@ -82,36 +82,15 @@ std::unique_ptr<PlannedCulling> plannedCulling(const PlanArguments& arguments,
           CulledBlocks::mostBytes(*opacity, arguments.frame.size, options, pool.threads()));
 }
 
-// The channels, and the camera fitted to them.
-struct PlannedPicture {
-  std::vector<PlannedChannel> channels;
-  Camera camera;
-};
-
-PlannedPicture openPlanned(const PlanArguments& arguments, FinestLevel finest,
-                           const Outputs& outputs, WorkerPool& pool) {
-  const FrameOptions& frame = arguments.frame;
-  PlannedPicture planned;
-  std::vector<FittedVolume> fitted;
-  std::vector<const ShownChannel*> shown;
-  for (IndexedVolume& volume : openIndexedChannels(
-           arguments.volume, arguments.look, arguments.resources, frame, finest, pool, outputs)) {
-    TransferFunction transfer = lookFor(volume, arguments.look, frame.mode).transfer;
-    planned.channels.push_back({std::move(volume), std::move(transfer)});
-  }
-  for (const PlannedChannel& channel : planned.channels) {
-    fitted.push_back({channel.volume, channel.volume.step(), channel.transfer});
-    shown.push_back(&channel.volume.channel);
-  }
-  requireShown(arguments.look, shown);
-  std::vector<const IndexedVolume*> volumes;
-  for (const PlannedChannel& channel : planned.channels) volumes.push_back(&channel.volume);
-  requireBlendable(arguments.look, frame, volumes);
-  std::vector<Camera> cameras{frame.camera};
-  fitCameras(cameras, arguments.fit, {std::move(fitted), frame, arguments.look.this_step}, {},
-             arguments.resources, pool);
-  planned.camera = cameras.front();
-  return planned;
+OpenedPicture openPlanned(const PlanArguments& arguments, FinestLevel finest,
+                          const Outputs& outputs, WorkerPool& pool) {
+  return openPicture({arguments.volume,
+                      arguments.look,
+                      arguments.frame,
+                      arguments.resources,
+                      arguments.fit,
+                      {arguments.frame.camera}},
+                     finest, outputs, pool);
 }
 
 PictureArguments pictureOf(const PlanArguments& arguments) {
@@ -128,68 +107,6 @@ void check(const PlanArguments& arguments) {
     refuseLevels(arguments.levels, "--partition boxes plans the finest level alone");
 }
 
-// The arguments of each of so many channels, which share the memory as a scene's do.
-PlanArguments shareOf(PlanArguments arguments, size_t channels) {
-  if (channels == 1) return arguments;
-  arguments.resources.memory_bytes = memoryBudget(arguments.resources) / channels;
-  if (arguments.frame.cut) arguments.frame.cut = shareOf(*arguments.frame.cut, channels);
-  return arguments;
-}
-
-// The pages of a channel, and what is held in addition to the levels.
-void shareOut(const PlanArguments& arguments, PlannedChannel& channel,
-              const PlannedCulling* culling, WorkerPool& pool) {
-  IndexedVolume& volume = channel.volume;
-  channel.others_bytes = othersBytes(volume, channel.transfer, arguments.frame, pool) +
-                         (culling != nullptr ? culling->most_bytes : 0);
-  volume.page.pages =
-      besideShare(volume, arguments.resources, arguments.frame.partition,
-                  pictureDemand(arguments.resources, arguments.frame), channel.others_bytes)
-          .pages;
-}
-
-PlannedPart partOf(const PlanArguments& arguments, const PlannedChannel& channel) {
-  return {channel.volume, channel.volume.step(), channel.transfer, arguments.frame,
-          channel.volume.page};
-}
-
-// Requires: shareOut(), and the blocks are chosen if the channels are blended.
-void planChannel(const PlanArguments& arguments, PlannedChannel& channel, PlannedCulling* culling,
-                 TexelPlace texels, WorkerPool& pool) {
-  const IndexedVolume& volume = channel.volume;
-  if (channel.shown.blocks == nullptr)
-    channel.shown = plannedBlocks(partOf(arguments, channel),
-                                  culling != nullptr ? &culling->blocks : nullptr, pool);
-  channel.costs = algorithmCosts(volume, channel.shown, arguments.frame, volume.page, pool);
-  if (arguments.frame.partition == Partition::kBoxes)
-    channel.boxes = planBoxes({arguments.frame, arguments.resources, arguments.volume.time}, volume,
-                              channel.shown, pool);
-  const AlgorithmCost& chosen = channel.costs[static_cast<size_t>(arguments.frame.algorithm)];
-  channel.forecast = forecastOf({volume, channel.shown, volume.page, chosen, channel.others_bytes,
-                                 arguments.frame, arguments.resources, texels});
-}
-
-bool blends(const PlanArguments& arguments, const std::vector<PlannedChannel>& channels) {
-  return arguments.look.combine == Combine::kBlend && channels.size() > 1;
-}
-
-bool haveOneCut(const FrameOptions& frame, const std::vector<PlannedChannel>& channels) {
-  std::vector<LayerLook> layers;
-  layers.reserve(channels.size());
-  for (const PlannedChannel& channel : channels)
-    layers.push_back({&channel.volume, &channel.transfer});
-  return haveOneCut(frame, layers);
-}
-
-// Blended channels have clusters of the same blocks, see blended_frame.h.
-void evenOut(std::vector<PlannedChannel>& channels) {
-  std::vector<std::pair<const IndexedVolume*, PageGeometry*>> pages;
-  pages.reserve(channels.size());
-  for (PlannedChannel& channel : channels)
-    pages.emplace_back(&channel.volume, &channel.volume.page);
-  evenOutPages(pages);
-}
-
 // The plan of a picture of which nothing is known before all of the volume is read.
 int printPassAlone(const PlanArguments& arguments, const PassForecast& pass, const CLI::App& app) {
   nlohmann::json report{{"command", "plan"}, {"options", optionsJson(app)}};
@@ -203,15 +120,30 @@ int printPassAlone(const PlanArguments& arguments, const PassForecast& pass, con
 }
 
 // A plan does not light its picture, so that it knows nothing of idle lights.
-void warnOfIdleOptions(const PlanArguments& arguments, const std::vector<PlannedChannel>& channels,
+void warnOfIdleOptions(const PlanArguments& arguments, const OpenedPicture& opened,
                        const CLI::App& app) {
-  const PlannedChannel& first = channels.front();
+  const IndexedVolume& first = opened.volumes.front();
   PictureFacts facts{arguments.look, arguments.frame, arguments.culling, arguments.resources};
-  facts.shows_labels = first.transfer.labels;
-  facts.layers = channels.size();
-  facts.time_steps = storedLayout(*first.volume.source).time_steps;
+  facts.shows_labels = opened.transfers.front().labels;
+  facts.layers = opened.volumes.size();
+  facts.time_steps = storedLayout(*first.source).time_steps;
   for (const std::string& line : idleOptions(givenOptions(app), facts))
-    printWarning(fmt::format("{}: {}", first.volume.name, line));
+    printWarning(fmt::format("{}: {}", first.name, line));
+}
+
+// The growing boxes of each channel; empty if none are asked for.
+std::vector<PlannedBoxes> boxesOf(const std::vector<PlannedChannel>& channels,
+                                  ResourceArguments resources, WorkerPool& pool) {
+  std::vector<PlannedBoxes> boxes;
+  boxes.reserve(channels.size());
+  for (const PlannedChannel& channel : channels) {
+    const ChannelShare& share = channel.share;
+    if (share.frame.partition != Partition::kBoxes) return {};
+    static_cast<MachineOptions&>(resources) = share.machine;
+    boxes.push_back(planBoxes({share.frame, resources, share.look.volume->time}, *share.look.volume,
+                              channel.shown, pool));
+  }
+  return boxes;
 }
 
 int run(const PlanArguments& asked, const CLI::App& app) {
@@ -234,69 +166,40 @@ int run(const PlanArguments& asked, const CLI::App& app) {
       passOverServer(arguments.volume, arguments.look, arguments.resources, arguments.frame);
   if (pass && pass->is_all) return printPassAlone(arguments, *pass, app);
   if (pass && !arguments.resources.quiet) printNotice(passLine(arguments.volume, *pass));
-  PlannedPicture planned = openPlanned(arguments, FinestLevel::kMayWait, outputs, pool);
-  const bool must_read = std::ranges::any_of(planned.channels, [&](const PlannedChannel& channel) {
-    return mustReadFinest(channel.volume, channel.transfer,
-                          planned.channels.front().volume.source->layout(), arguments.frame,
-                          {&planned.camera, 1}, pool);
-  });
+  OpenedPicture opened = openPlanned(arguments, FinestLevel::kMayWait, outputs, pool);
+  const bool must_read = mustReadFinest(opened, arguments.frame, pool);
   if (must_read && pass) {
-    for (PlannedChannel& channel : planned.channels) addFinestLevel(*pass, channel.volume);
+    for (IndexedVolume& volume : opened.volumes) addFinestLevel(*pass, volume);
   }
-  if (must_read && !pass) planned = openPlanned(arguments, FinestLevel::kRead, outputs, pool);
-  std::vector<PlannedChannel>& channels = planned.channels;
-  PlannedChannel& first = channels.front();
-  if (!arguments.resources.quiet) warnOfIdleOptions(arguments, channels, app);
-  arguments.frame.camera = planned.camera;
-  if (channels.size() > 1 && arguments.culling.culling != Culling::kNone)
-    fail("{}: --culling looks at one channel, {}", first.volume.name,
-         notOne(channels.size(), channels.back().volume.channel));
+  if (must_read && !pass) opened = openPlanned(arguments, FinestLevel::kRead, outputs, pool);
+  const std::vector<LayerLook> looks = opened.looks();
+  const IndexedVolume& first = opened.volumes.front();
+  if (!arguments.resources.quiet) warnOfIdleOptions(arguments, opened, app);
+  arguments.frame.camera = opened.cameras.front();
+  if (looks.size() > 1 && arguments.culling.culling != Culling::kNone)
+    fail("{}: --culling looks at one channel, {}", first.name,
+         notOne(looks.size(), opened.volumes.back().channel));
   const std::unique_ptr<PlannedCulling> culling =
-      plannedCulling(arguments, first.volume, first.transfer, pool);
-  PlanArguments share = shareOf(arguments, channels.size());
-  const bool is_blended = blends(arguments, channels);
-  if (is_blended && !haveOneCut(arguments.frame, channels)) share.frame.cut.reset();
+      plannedCulling(arguments, first, opened.transfers.front(), pool);
   // A device that draws decides how much memory is the least that works.
   const TexelPlace texels = texelPlaceOf(arguments.resources.device, pool);
-  const auto argumentsOf = [&](const PlannedChannel& channel) {
-    PlanArguments own = share;
-    own.frame =
-        frameOfLayer(channel.volume, channel.transfer, first.volume.source->layout(), own.frame);
-    if (is_blended) own.frame.cut = share.frame.cut;  // one for all channels
-    own.volume.time = channel.volume.time;
-    return own;
-  };
-  for (PlannedChannel& channel : channels)
-    shareOut(argumentsOf(channel), channel, culling.get(), pool);
-  if (is_blended) evenOut(channels);
-  // Before a block is listed.
-  try {
-    for (const PlannedChannel& channel : channels)
-      requireRoomToPlan(channel.volume, channel.others_bytes, argumentsOf(channel).frame,
-                        share.resources, texels);
-  } catch (const Error& error) {
-    failOfShare(error, channels.size());
-  }
-  if (is_blended) {
-    std::vector<PlannedPart> parts;
-    parts.reserve(channels.size());
-    for (const PlannedChannel& channel : channels)
-      parts.push_back(partOf(argumentsOf(channel), channel));
-    std::vector<PlannedBlocks> shown = plannedTogether(parts, pool);
-    for (size_t i = 0; i < shown.size(); ++i) channels[i].shown = std::move(shown[i]);
-  }
-  for (PlannedChannel& channel : channels)
-    planChannel(argumentsOf(channel), channel, culling.get(), texels, pool);
-  const Algorithm algorithm = arguments.frame.algorithm;
-  nlohmann::json report = reportOf(channels, algorithm);
+  const Combine combine = arguments.look.combine;
+  const std::vector<PlannedChannel> channels =
+      plannedChannels(channelShares(looks, combine, arguments.frame, arguments.resources,
+                                    culling != nullptr ? culling->most_bytes : 0, pool),
+                      combine, culling != nullptr ? &culling->blocks : nullptr, texels, pool);
+  const std::vector<PlannedBoxes> boxes = boxesOf(channels, arguments.resources, pool);
+  const PlanToReport plan{channels, boxes, arguments.frame.algorithm};
+  const VisibleBlocks& shown = *channels.front().shown.blocks;
+  nlohmann::json report = reportOf(plan);
   report["command"] = "plan";
   report["options"] = optionsJson(app);
   addStoreJson(report, sumOf(channels).forecast, pass);
   if (culling) report["culling"] = countsJson(culling->blocks.counts());
   if (!arguments.report_file.empty()) {
     PagePictures pictures;
-    if (isPage(arguments.report_file) && !isCoarser(*first.shown.blocks))
-      addBlocks(pictures, first.volume.step().ranges->layout.grid, *first.shown.blocks);
+    if (isPage(arguments.report_file) && !isCoarser(shown))
+      addBlocks(pictures, first.step().ranges->layout.grid, shown);
     writeReport(arguments.report_file, report, pictures);
   }
   if (arguments.json) {
@@ -304,18 +207,15 @@ int run(const PlanArguments& asked, const CLI::App& app) {
     return 0;
   }
   if (arguments.resources.quiet) return 0;
-  for (const PlannedChannel& channel : channels) {
-    if (channels.size() > 1) say("{}\n", channel.volume.channel.title());
-    print(channel, algorithm);
-  }
+  printTables(plan);
   const Forecast sum = sumOf(channels).forecast;
   printForecast(sum);
-  if (sum.stored) printStore(*sum.stored, first.volume.source->distantReads() > 0);
+  if (sum.stored) printStore(*sum.stored, first.source->distantReads() > 0);
   if (pass && must_read) say("{}\n", passLine(arguments.volume, *pass));
   if (culling)
     say("culling: {} of {} blocks that are not empty can be seen\n",
         culling->blocks.counts().blocks_visible, culling->blocks.counts().blocks_nonempty);
-  for (const PlannedChannel& channel : channels) printIndex(channel);
+  printIndices(plan);
   return 0;
 }
 

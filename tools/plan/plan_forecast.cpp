@@ -5,19 +5,6 @@
 
 namespace sluice {
 
-void add(Forecast& sum, const Forecast& more) {
-  sum.blocks += more.blocks;
-  sum.voxel_bytes += more.voxel_bytes;
-  sum.most_blocks += more.most_blocks;
-  sum.most_voxel_bytes += more.most_voxel_bytes;
-  if (more.stored) sum.stored = sum.stored.value_or(StoredReads()) += *more.stored;
-  sum.budget_bytes += more.budget_bytes;
-  sum.fits_budget = sum.fits_budget && more.fits_budget;
-  sum.buffer_bytes += more.buffer_bytes;
-  sum.index_bytes += more.index_bytes;
-  sum.picture_bytes += more.picture_bytes;
-}
-
 nlohmann::json readJson(const Forecast& forecast) {
   return {{"blocks", forecast.blocks}, {"voxel_bytes", forecast.voxel_bytes}};
 }

@@ -7,10 +7,6 @@
 
 namespace sluice {
 
-// Adds the cost of another channel of the same picture, which has its own share of the memory. The
-// least memory is left to the caller: a sum would be too little for channels that differ.
-void add(Forecast& sum, const Forecast& more);
-
 // `read`, `most_read` and `memory` of plan's JSON.
 nlohmann::json readJson(const Forecast& forecast);
 nlohmann::json mostReadJson(const Forecast& forecast);

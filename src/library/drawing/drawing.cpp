@@ -358,10 +358,8 @@ void Drawing::writeExr(const std::string& path, const Image& image, const Pictur
 PicturePlan Drawing::plan(const PictureOptions& picture, ProgressTeller& teller) {
   refuseInSitu("plan()");
   const Reading reading(*this, teller);
-  if (!scene_.more.empty())
-    failRequest("{}: a plan is of one channel, {}", scene_.volume.name, scene_.notOneChannel());
-  const TimeStep step = stepAt(picture.time, reading.pass);
-  return planOf(scene_, step, looked(picture, step, reading.pass));
+  const std::vector<TimeStep> steps = stepsAt(picture.time, reading.pass);
+  return planOf(scene_, steps, looked(picture, steps.front(), reading.pass));
 }
 
 std::optional<VoxelProbe> Drawing::probe(const PictureOptions& picture, double right, double down,

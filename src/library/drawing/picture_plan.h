@@ -3,10 +3,14 @@
 
 #include <sluice/report.h>
 
+#include <vector>
+
 #include "src/library/drawing/scene.h"
 
 namespace sluice {
 
-PicturePlan planOf(const Scene& scene, const TimeStep& step, const FrameOptions& options);
+// `steps`: of each layer. Throws as plannedChannels() does.
+PicturePlan planOf(const Scene& scene, const std::vector<TimeStep>& steps,
+                   const FrameOptions& options);
 
 }  // namespace sluice

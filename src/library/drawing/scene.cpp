@@ -4,13 +4,13 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <system_error>
 #include <utility>
 
 #include "src/base/error.h"
 #include "src/base/files/file_kind.h"
 #include "src/base/threads/clock.h"
 #include "src/base/values/bytes.h"
+#include "src/library/drawing/channel_traces.h"
 #include "src/library/drawing/empty_picture.h"
 #include "src/options/option_words.h"
 #include "src/render/blocks/cut_rules.h"
@@ -30,28 +30,7 @@ uint64_t composedBytes(uint64_t part_bytes, PictureSize size, uint64_t memory_by
   return bytes;
 }
 
-// The part of a machine for each of so many layers.
-MachineOptions shareOf(MachineOptions machine, size_t layers) {
-  if (layers > 1) machine.memory_bytes = memoryBudget(machine) / layers;
-  return machine;
-}
-
 }  // namespace
-
-uint64_t othersBytes(const IndexedVolume& volume, const TransferFunction& transfer,
-                     const FrameOptions& frame, WorkerPool& pool) {
-  // A series also holds the ranges of the step that is shown and of the next one.
-  const uint64_t steps = volume.source->layout().time_steps > 1 ? 3 : 1;
-  const uint64_t light_bytes =
-      frame.lighting.looksAround() ? lightBytes(volume.source->layout(), pool.threads()) : 0;
-  return steps * volume.rangesBytes() + planBytes(volume, transfer, frame, pool) + light_bytes;
-}
-
-void failOfShare(const Error& error, size_t channels) {
-  if (channels == 1) throw Error(error);
-  failAs(error.kind(), "{} ({} channels share the memory evenly, and this is the part of one)",
-         error.what(), channels);
-}
 
 Scene::Scene(SceneInputs inputs, const LookArguments& asked_look, const FrameOptions& frame)
     : Layer(std::move(inputs.volume), shareOf(inputs.machine, 1 + inputs.more.size())),
@@ -63,9 +42,7 @@ Scene::Scene(SceneInputs inputs, const LookArguments& asked_look, const FrameOpt
       device(makeDevice(machine.device, pool)) {
   for (auto& further : inputs.more)
     more.push_back(std::make_unique<Layer>(std::move(further), machine));
-  std::vector<const ShownChannel*> shown;
-  for (Layer* layer : layers()) shown.push_back(&layer->volume.channel);
-  requireShown(asked, shown);
+  requireShown(asked, shownChannels());
   requireBlendable(asked, frame);
   for (Layer* layer : layers()) layer->look = lookFor(layer->volume, asked, frame.mode);
   drawn_look = lookText();
@@ -154,13 +131,9 @@ void Scene::openSession(Layer& layer, Partition partition) {
 }
 
 void Scene::setLook(const LookArguments& asked_look, Mode mode) {
-  std::vector<const ShownChannel*> shown;
   std::vector<ChosenLook> chosen;
-  for (const Layer* layer : layers()) {
-    shown.push_back(&layer->volume.channel);
-    chosen.push_back(lookFor(layer->volume, asked_look, mode));
-  }
-  requireShown(asked_look, shown);
+  for (const Layer* layer : layers()) chosen.push_back(lookFor(layer->volume, asked_look, mode));
+  requireShown(asked_look, shownChannels());
   FrameOptions frame;
   frame.mode = mode;
   requireBlendable(asked_look, frame);
@@ -219,9 +192,7 @@ void Scene::chooseBlocksBy(BlockChooser* chooser) {
 
 std::string Scene::lookText() const {
   if (more.empty()) return look.options;
-  std::vector<const ShownChannel*> shown;
-  for (const Layer* layer : layers()) shown.push_back(&layer->volume.channel);
-  return lookOptions(asked, shown, look.options, look.mode);
+  return lookOptions(asked, shownChannels(), look.options, look.mode);
 }
 
 std::string Scene::lookOf(const FrameOptions& options, const PictureOptions& picture) const {
@@ -318,20 +289,14 @@ std::string Scene::whyNothing(const SceneFrame& frame, int64_t time, const Frame
   return whyEmpty({volume, time, look.transfer, options, frame.report.missing_share}, pass);
 }
 
+std::vector<const ShownChannel*> Scene::shownChannels() const {
+  std::vector<const ShownChannel*> shown;
+  for (const Layer* layer : layers()) shown.push_back(&layer->volume.channel);
+  return shown;
+}
+
 std::vector<std::string> Scene::tracePaths(const std::string& path) const {
-  if (more.empty()) return {path};
-  const std::filesystem::path asked(path);
-  std::error_code none;
-  // /dev/null takes them all.
-  if (std::filesystem::is_character_file(asked, none))
-    return std::vector<std::string>(1 + more.size(), path);
-  std::vector<std::string> paths;
-  for (const Layer* layer : layers())
-    paths.push_back(
-        (asked.parent_path() /
-         (asked.stem().string() + "_" + layer->volume.channel.id() + asked.extension().string()))
-            .string());
-  return paths;
+  return channelTraces(path, shownChannels());
 }
 
 void Scene::requireNoOtherFiles(const std::string& path) const {
@@ -342,8 +307,6 @@ void Scene::requireNoOtherFiles(const std::string& path) const {
 }
 
 void Scene::recordTo(const std::string& path) {
-  if (!path.empty() && blends())
-    failRequest("{}: a trace records channels that are added; leave out --combine blend", path);
   const std::vector<Layer*> all = layers();
   for (Layer* layer : all) {
     layer->session->recordTo(nullptr);

@@ -23,6 +23,7 @@
 
 #include "cache/trace/trace.h"
 #include "src/base/error.h"
+#include "src/library/drawing/channel_shares.h"
 #include "src/library/drawing/chosen_look.h"
 #include "src/library/drawing/picture_memory.h"
 #include "src/library/drawing/resources.h"
@@ -151,11 +152,9 @@ struct Scene : Layer {
                          const IndexPass& pass) const;
 
   // Records the requests to the texture caches in the files of tracePaths() from now on; empty:
-  // finishes the files. The files of a scene that ends before are left out. Throws Error, also for
-  // blended layers, whose requests are not recorded.
+  // finishes the files. The files of a scene that ends before are left out. Throws Error.
   void recordTo(const std::string& path);
-  // The trace of each layer if this one is asked for: of a single layer the path itself, of several
-  // with the layer's channel before the extension, "t_0.txt" and "t_over.txt" for "t.txt".
+  // The trace of each layer if this one is asked for, see channelTraces().
   std::vector<std::string> tracePaths(const std::string& path) const;
   // Throws Error if a file of several channels, whose names nobody has given, is there and is no
   // trace.
@@ -184,9 +183,9 @@ struct Scene : Layer {
   std::vector<const Layer*> layers() const;
   std::vector<Layer*> layers();
   // Whether its layers are blended.
-  bool blends() const { return asked.combine == Combine::kBlend && !more.empty(); }
-  // Whether its layers are blended from one cut through their levels of resolution.
-  bool blendsLevels(const FrameOptions& options) const;
+  bool blends() const { return sluice::blends(asked.combine, 1 + more.size()); }
+  std::vector<const ShownChannel*> shownChannels() const;
+  std::vector<LayerLook> looks() const;
   // "not 3; give one --channel", for messages about several layers.
   std::string notOneChannel() const;
   // The options of a layer's frames, of those that setOptions() got.
@@ -228,40 +227,5 @@ struct Scene : Layer {
   Frame drawOnly(const std::vector<std::optional<FrameReport>>& without_blocks,
                  std::vector<LayerFrame>& parts);
 };
-
-// Throws an Error about a lack of memory again, and tells if so many channels share the memory.
-[[noreturn]] void failOfShare(const Error& error, size_t channels);
-
-// The bytes that a frame holds in addition to the levels and the picture: min-max arrays, plans,
-// and the light that arrives if the frame's lighting looks around.
-uint64_t othersBytes(const IndexedVolume& volume, const TransferFunction& transfer,
-                     const FrameOptions& frame, WorkerPool& pool);
-
-// The cut of a volume in a picture that shows it with others. A level that is asked for is that of
-// the first volume alone, and labels over it are drawn from coarser levels only if these hold
-// labels.
-std::optional<CutOptions> cutOfLayer(const IndexedVolume& volume, const TransferFunction& transfer,
-                                     std::optional<CutOptions> cut);
-// The options of a volume for a frame that shows it with the first one, which has this layout, with
-// cutOfLayer(). Throws as frameOn() does.
-FrameOptions frameOfLayer(const IndexedVolume& volume, const TransferFunction& transfer,
-                          const VolumeLayout& first, const FrameOptions& frame);
-
-// Throws Error if a look blends the volumes and such frames of them cannot be blended.
-void requireBlendable(const LookArguments& look, const FrameOptions& options,
-                      const std::vector<const IndexedVolume*>& volumes);
-// A volume with its look.
-struct LayerLook {
-  const IndexedVolume* volume;
-  const TransferFunction* transfer;
-};
-// Whether the volumes' finest levels are cut into blocks alike.
-bool haveOneLayout(const IndexedVolume& a, const IndexedVolume& b);
-// Whether the pictures of all volumes can be of one cut: each is drawn from one, through levels
-// that are alike. Throws Error as drawsCut() does.
-bool haveOneCut(const FrameOptions& options, const std::vector<LayerLook>& layers);
-// Gives the pages of each volume room for as many blocks, so that their clusters are the same, as
-// blending them takes (blended_frame.h).
-void evenOutPages(const std::vector<std::pair<const IndexedVolume*, PageGeometry*>>& pages);
 
 }  // namespace sluice

@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <limits>
 #include <utility>
 
 #include "src/base/error.h"
@@ -11,10 +10,8 @@
 #include "src/library/drawing/empty_picture.h"
 #include "src/library/drawing/scene.h"
 #include "src/library/drawing/shared_world.h"
-#include "src/render/blocks/cut_rules.h"
 #include "src/render/frame/loaded_boxes.h"
 #include "src/render/session/blended_frame.h"
-#include "src/volume/block_side.h"
 
 namespace sluice {
 namespace {
@@ -41,12 +38,6 @@ class UploadsOf {
   const uint64_t before_;
 };
 
-int64_t pagesOfBlock(const IndexedVolume& volume, const PageGeometry& page) {
-  const int levels = volume.pyramid != nullptr ? volume.pyramid->levels() : 1;
-  const int64_t side = blockSide(volume.layout, levels);
-  return page.pagesOf(Vec3i{side, side, side});
-}
-
 // Keeps the reports that every rank has.
 void keepCommon(Team& team, std::vector<std::optional<FrameReport>>& reports) {
   Message mine;
@@ -60,48 +51,16 @@ void keepCommon(Team& team, std::vector<std::optional<FrameReport>>& reports) {
 
 }  // namespace
 
-void evenOutPages(const std::vector<std::pair<const IndexedVolume*, PageGeometry*>>& pages) {
-  int64_t blocks = std::numeric_limits<int64_t>::max();
-  for (const auto& [volume, page] : pages)
-    blocks = std::min(blocks, page->pages / pagesOfBlock(*volume, *page));
-  for (const auto& [volume, page] : pages)
-    page->pages = std::max<int64_t>(1, blocks) * pagesOfBlock(*volume, *page);
-}
-
-FrameOptions frameOfLayer(const IndexedVolume& volume, const TransferFunction& transfer,
-                          const VolumeLayout& first, const FrameOptions& frame) {
-  FrameOptions own = frameOn(volume.source->layout(), first, frame);
-  own.cut = cutOfLayer(volume, transfer, frame.cut);
-  return own;
-}
-
-std::optional<CutOptions> cutOfLayer(const IndexedVolume& volume, const TransferFunction& transfer,
-                                     std::optional<CutOptions> cut) {
-  if (!cut || !volume.channel.is_over) return cut;
-  cut->level.reset();
-  if (transfer.labels) cut->is_default = true;
-  return cut;
-}
-
 FrameOptions Scene::optionsOf(const Layer& layer, const FrameOptions& options) const {
   if (more.empty()) return options;
   const auto all = layers();
   const auto place = static_cast<uint64_t>(std::ranges::find(all, &layer) - all.begin());
-  // A session that is opened before its pictures have a size has no view yet.
-  const bool has_view = options.size.width > 0 && options.size.height > 0;
   FrameOptions own =
-      has_view ? frameOfLayer(layer.volume, layer.look.transfer, volume.source->layout(), options)
-               : options;
+      frameOfChannel({&layer.volume, &layer.look.transfer}, looks(), asked.combine, options);
   own.shades = layer.look.lit;
   if (look.flat_scale > 0) own.lighting.flat_share *= layer.look.flat_scale / look.flat_scale;
-  // Blocks of a cut are shared out, and waiting is, too, unless all layers are drawn together.
-  if (own.cut) own.cut = shareOf(*own.cut, all.size());
-  if (blends()) {
-    if (!blendsLevels(options)) own.cut.reset();
-    if (own.cut) own.cut->level = options.cut->level;
-    own.integrates = false;
-    return own;
-  }
+  // Waiting is shared out, unless all layers are drawn together.
+  if (blends()) return own;
   if (own.time_limit_s) *own.time_limit_s /= static_cast<double>(all.size());
   if (options.watch)
     own.watch = [watch = options.watch, place, count = all.size()](uint64_t done, uint64_t total) {
@@ -110,52 +69,10 @@ FrameOptions Scene::optionsOf(const Layer& layer, const FrameOptions& options) c
   return own;
 }
 
-bool haveOneLayout(const IndexedVolume& a, const IndexedVolume& b) {
-  return a.layout.size == b.layout.size && a.layout.ghost == b.layout.ghost;
-}
-
-bool haveOneCut(const FrameOptions& options, const std::vector<LayerLook>& layers) {
-  const IndexedVolume& first = *layers.front().volume;
-  return std::ranges::all_of(layers, [&](const LayerLook& layer) {
-    const IndexedVolume& volume = *layer.volume;
-    return volume.pyramid != nullptr && first.pyramid != nullptr &&
-           areAlike(*volume.pyramid, *first.pyramid) &&
-           drawsCut(volume.step(), cutOfLayer(volume, *layer.transfer, options.cut), options.mode,
-                    *layer.transfer);
-  });
-}
-
-bool Scene::blendsLevels(const FrameOptions& options) const {
+std::vector<LayerLook> Scene::looks() const {
   std::vector<LayerLook> looks;
   for (const Layer* layer : layers()) looks.push_back({&layer->volume, &layer->look.transfer});
-  return haveOneCut(options, looks);
-}
-
-void requireBlendable(const LookArguments& look, const FrameOptions& options,
-                      const std::vector<const IndexedVolume*>& volumes) {
-  if (look.combine == Combine::kAdd || volumes.size() < 2) return;
-  const IndexedVolume& first = *volumes.front();
-  for (const IndexedVolume* volume : volumes) {
-    if (!isSameGrid(volume->source->layout(), first.source->layout()))
-      failRequest(
-          "--combine blend: {} is on another grid of voxels than {}; leave out --combine, which "
-          "adds their pictures",
-          volume->source->layout().name, first.source->layout().name);
-    if (!haveOneLayout(*volume, first))
-      failRequest(
-          "--combine blend: {} is read in other blocks than {}; give both the same --block, and "
-          "levels of resolution to both or none",
-          volume->name, first.name);
-  }
-  if (!traitsOf(options.mode).has_colors)
-    failRequest("--combine blend needs --mode composite, since other modes show one value a pixel");
-  if (!look.surfaces.empty()) failRequest("--combine blend draws no surfaces; leave out --iso");
-  if (options.lighting.looksAround())
-    failRequest(
-        "--combine blend knows no light that looks around; leave out --shadows and "
-        "--occlusion-light");
-  if (options.occlusion != Occlusion::kOff || options.partition != Partition::kBlocks)
-    failRequest("--combine blend draws whole blocks; leave out --occlusion and --partition");
+  return looks;
 }
 
 void Scene::requireBlendable(const LookArguments& asked_look, const FrameOptions& options) const {
@@ -197,6 +114,7 @@ Frame Scene::drawOnly(const std::vector<std::optional<FrameReport>>& without_blo
   for (size_t i = 0; i < without_blocks.size(); ++i) {
     if (without_blocks[i]) {
       parts.push_back({*without_blocks[i], false});
+      layers()[i]->session->passFrame();
       continue;
     }
     Layer& layer = *layers()[i];

@@ -1,11 +1,10 @@
 #include "src/render/session/blended_frame.h"
 
 #include <algorithm>
-#include <array>
 #include <chrono>
-#include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <unordered_map>
 #include <utility>
 
@@ -15,16 +14,12 @@
 #include "src/render/camera/frame_setup.h"
 #include "src/render/frame/draw_order.h"
 #include "src/render/frame/loaded_boxes.h"
+#include "src/render/session/union_plan.h"
+#include "src/texture/frame_trace.h"
 
 namespace sluice {
 namespace {
 
-// A cluster's place in the grids that all plans share.
-using ClusterPlace = std::array<int64_t, 4>;
-ClusterPlace placeOf(const Cluster& cluster) {
-  const Vec3i at = cluster.index;
-  return {static_cast<int64_t>(cluster.grid), at.x, at.y, at.z};
-}
 // A block's name without its time, which channels may have others of.
 BlockName ofAnyTime(BlockName name) {
   name.time = 0;
@@ -48,15 +43,15 @@ class ChannelRun {
   ChannelRun(const Session::Part& part, const SharedFrame& frame, uint32_t channel)
       : part_(part), frame_(frame), channel_(channel) {
     const TexturePlan& textures = part.plan->textures;
-    for (const ClusterPosition i : textures.clusters.indices())
-      clusters_.emplace(placeOf(textures.clusters[i]), i);
+    for (const Cluster& cluster : textures.clusters) clusters_.insert(placeOf(cluster));
     for (const BlockPosition i : textures.blocks.indices())
       blocks_.emplace(ofAnyTime(textures.blocks[i].name), i);
+    std::vector<ClusterPosition> order;
+    order.reserve(frame.order.visits.size());
+    for (const Visit& each : frame.order.visits) order.push_back(each.cluster);
     DrawOrder own{frame.order.eye, {}};
-    for (const Visit& each : frame.order.visits)
-      if (const auto found = clusters_.find(placeOf(frame.all.clusters[each.cluster]));
-          found != clusters_.end())
-        own.visits.push_back({.cluster = found->second, .draws = true, .blocks = {}});
+    for (const ClusterPosition cluster : ownClusters(textures, frame.all, order))
+      own.visits.push_back({.cluster = cluster, .draws = true, .blocks = {}});
     const ReadPurpose purpose{tally_, part.options.stop};
     ReadAhead::Needs needs;
     if (frame.rows) needs.now = [this](ChunkPosition chunk) { return shows(chunk); };
@@ -75,7 +70,12 @@ class ChannelRun {
     if (!clusters_.contains(placeOf(cluster))) return;
     while (const auto taken = ahead_->take(deadline)) {
       part_.options.stop.throwIfStopped();
-      loadChunks(*taken, *part_.plan, *ahead_, residency(), deadline.has_value(), report_);
+      const auto request = [&](ChunkPosition chunk, ChunkName name) {
+        if (part_.trace != nullptr)
+          part_.trace->write(
+              requestFor(part_.plan->textures, chunk, name, taken->step.cluster, part_.number));
+      };
+      loadChunks(*taken, *part_.plan, *ahead_, residency(), deadline.has_value(), report_, request);
       if (taken->step.completes_cluster) return;
     }
   }
@@ -121,7 +121,7 @@ class ChannelRun {
   const SharedFrame& frame_;
   const uint32_t channel_;
   const std::shared_ptr<ReadTally> tally_ = std::make_shared<ReadTally>();
-  std::map<ClusterPlace, ClusterPosition> clusters_;
+  std::set<ClusterPlace> clusters_;
   std::unordered_map<BlockName, BlockPosition, BlockNameHash> blocks_;  // of any time
   std::unique_ptr<ReadAhead> ahead_;
   FrameReport report_;

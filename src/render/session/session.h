@@ -81,7 +81,9 @@ class Session {
     FramePlanPtr plan;
     FrameOptions options;
     bool lit = false;
-    double last_draw_s = 0;  // the drawing time of the last frame
+    double last_draw_s = 0;        // the drawing time of the last frame
+    TraceWriter* trace = nullptr;  // see recordTo()
+    int64_t number = 0;            // of the frame, in a trace
   };
   struct Parts {
     std::vector<Part> of_sessions;

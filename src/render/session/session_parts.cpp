@@ -34,24 +34,20 @@ Session::Parts Session::parts(std::span<Session* const> sessions) {
         Planner::question(step, look, view, options, limits[i] ? &*limits[i] : nullptr));
     SLUICE_CHECK_EQ(questions[i].cut.has_value(), questions.front().cut.has_value());
     result.of_sessions.push_back({&session, step, look, nullptr, nullptr, options,
-                                  session.session_.lit && options.shades, session.lessons_.draw_s});
+                                  session.session_.lit && options.shades, session.lessons_.draw_s,
+                                  session.trace_, session.frame_number_});
   }
   const std::vector<VisibleBlocksPtr> visible = Planner::visibleTogether(planners, questions);
   double step_vox = INFINITY;
-  bool has_coarse = false;
   for (size_t i = 0; i < sessions.size(); ++i) {
     Part& part = result.of_sessions[i];
     part.visible = visible[i];
     sessions[i]->visible_ = visible[i];
     step_vox = std::min(step_vox, sessions[i]->stepForCut(*visible[i], part.options));
-    has_coarse = has_coarse || areOfSeveralLevels(*visible[i]);
   }
   for (Part& part : result.of_sessions) {
     part.options.step_vox = step_vox;
-    // No algorithm loads blocks that show nothing of a picture of several levels, and a channel
-    // whose own blocks are all of the finest level must not do so either.
-    if (has_coarse && loadsWholeBlocks(part.options.algorithm))
-      part.options.algorithm = Algorithm::kTrimmed;
+    part.options.algorithm = blendedAlgorithm(part.options.algorithm, visible);
   }
   result.classify_s = watch.lap();
 

@@ -39,4 +39,28 @@ TexturePlan unionPlan(std::span<const ChannelBlocks> channels, PlanOptions optio
   return planTextures(tightest->pyramid, all, tightest->page, options);
 }
 
+Algorithm blendedAlgorithm(Algorithm asked, std::span<const VisibleBlocksPtr> channels) {
+  const bool has_coarse = std::ranges::any_of(
+      channels, [](const VisibleBlocksPtr& visible) { return areOfSeveralLevels(*visible); });
+  return has_coarse && loadsWholeBlocks(asked) ? Algorithm::kTrimmed : asked;
+}
+
+ClusterPlace placeOf(const Cluster& cluster) {
+  const Vec3i at = cluster.index;
+  return {static_cast<int64_t>(cluster.grid), at.x, at.y, at.z};
+}
+
+std::vector<ClusterPosition> ownClusters(const TexturePlan& own, const TexturePlan& all,
+                                         std::span<const ClusterPosition> order) {
+  std::map<ClusterPlace, ClusterPosition> places;
+  for (const ClusterPosition i : own.clusters.indices())
+    places.emplace(placeOf(own.clusters[i]), i);
+  std::vector<ClusterPosition> clusters;
+  clusters.reserve(places.size());
+  for (const ClusterPosition each : order)
+    if (const auto found = places.find(placeOf(all.clusters[each])); found != places.end())
+      clusters.push_back(found->second);
+  return clusters;
+}
+
 }  // namespace sluice

@@ -1,0 +1,152 @@
+#include "src/library/drawing/channel_shares.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "src/library/drawing/picture_memory.h"
+#include "src/library/drawing/resources.h"
+#include "src/library/drawing/shared_world.h"
+#include "src/render/blocks/cut_rules.h"
+#include "src/render/light/arriving_light.h"
+#include "src/volume/block_side.h"
+
+namespace sluice {
+namespace {
+
+int64_t pagesOfBlock(const IndexedVolume& volume, const PageGeometry& page) {
+  const int levels = volume.pyramid != nullptr ? volume.pyramid->levels() : 1;
+  const int64_t side = blockSide(volume.layout, levels);
+  return page.pagesOf(Vec3i{side, side, side});
+}
+
+// A level that is asked for is that of the first volume alone.
+std::optional<CutOptions> cutOfLayer(const IndexedVolume& volume, const TransferFunction& transfer,
+                                     std::optional<CutOptions> cut) {
+  if (!cut || !volume.channel.is_over) return cut;
+  cut->level.reset();
+  if (transfer.labels) cut->is_default = true;
+  return cut;
+}
+
+}  // namespace
+
+FrameOptions frameOfLayer(const IndexedVolume& volume, const TransferFunction& transfer,
+                          const VolumeLayout& first, const FrameOptions& frame) {
+  FrameOptions own = frameOn(volume.source->layout(), first, frame);
+  own.cut = cutOfLayer(volume, transfer, frame.cut);
+  return own;
+}
+
+FrameOptions frameOfChannel(const LayerLook& channel, const std::vector<LayerLook>& channels,
+                            Combine combine, const FrameOptions& frame) {
+  if (channels.size() == 1) return frame;
+  // A session that is opened before its pictures have a size has no view yet.
+  const bool has_view = frame.size.width > 0 && frame.size.height > 0;
+  FrameOptions own = has_view ? frameOfLayer(*channel.volume, *channel.transfer,
+                                             channels.front().volume->source->layout(), frame)
+                              : frame;
+  if (own.cut) own.cut = shareOf(*own.cut, channels.size());
+  if (!blends(combine, channels.size())) return own;
+  if (!haveOneCut(frame, channels)) own.cut.reset();
+  if (own.cut) own.cut->level = frame.cut->level;
+  own.integrates = false;
+  return own;
+}
+
+void requireBlendable(const LookArguments& look, const FrameOptions& options,
+                      const std::vector<const IndexedVolume*>& volumes) {
+  if (look.combine == Combine::kAdd || volumes.size() < 2) return;
+  const IndexedVolume& first = *volumes.front();
+  for (const IndexedVolume* volume : volumes) {
+    if (!isSameGrid(volume->source->layout(), first.source->layout()))
+      failRequest(
+          "--combine blend: {} is on another grid of voxels than {}; leave out --combine, which "
+          "adds their pictures",
+          volume->source->layout().name, first.source->layout().name);
+    if (!haveOneLayout(*volume, first))
+      failRequest(
+          "--combine blend: {} is read in other blocks than {}; give both the same --block, and "
+          "levels of resolution to both or none",
+          volume->name, first.name);
+  }
+  if (!traitsOf(options.mode).has_colors)
+    failRequest("--combine blend needs --mode composite, since other modes show one value a pixel");
+  if (!look.surfaces.empty()) failRequest("--combine blend draws no surfaces; leave out --iso");
+  if (options.lighting.looksAround())
+    failRequest(
+        "--combine blend knows no light that looks around; leave out --shadows and "
+        "--occlusion-light");
+  if (options.occlusion != Occlusion::kOff || options.partition != Partition::kBlocks)
+    failRequest("--combine blend draws whole blocks; leave out --occlusion and --partition");
+}
+
+bool haveOneLayout(const IndexedVolume& a, const IndexedVolume& b) {
+  return a.layout.size == b.layout.size && a.layout.ghost == b.layout.ghost;
+}
+
+bool haveOneCut(const FrameOptions& options, const std::vector<LayerLook>& layers) {
+  const IndexedVolume& first = *layers.front().volume;
+  return std::ranges::all_of(layers, [&](const LayerLook& layer) {
+    const IndexedVolume& volume = *layer.volume;
+    return volume.pyramid != nullptr && first.pyramid != nullptr &&
+           areAlike(*volume.pyramid, *first.pyramid) &&
+           drawsCut(volume.step(), cutOfLayer(volume, *layer.transfer, options.cut), options.mode,
+                    *layer.transfer);
+  });
+}
+
+void evenOutPages(const std::vector<std::pair<const IndexedVolume*, PageGeometry*>>& pages) {
+  int64_t blocks = std::numeric_limits<int64_t>::max();
+  for (const auto& [volume, page] : pages)
+    blocks = std::min(blocks, page->pages / pagesOfBlock(*volume, *page));
+  for (const auto& [volume, page] : pages)
+    page->pages = std::max<int64_t>(1, blocks) * pagesOfBlock(*volume, *page);
+}
+
+uint64_t othersBytes(const IndexedVolume& volume, const TransferFunction& transfer,
+                     const FrameOptions& frame, WorkerPool& pool) {
+  // A series also holds the ranges of the step that is shown and of the next one.
+  const uint64_t steps = volume.source->layout().time_steps > 1 ? 3 : 1;
+  const uint64_t light_bytes =
+      frame.lighting.looksAround() ? lightBytes(volume.source->layout(), pool.threads()) : 0;
+  return steps * volume.rangesBytes() + planBytes(volume, transfer, frame, pool) + light_bytes;
+}
+
+void failOfShare(const Error& error, size_t channels) {
+  if (channels == 1) throw Error(error);
+  failAs(error.kind(), "{} ({} channels share the memory evenly, and this is the part of one)",
+         error.what(), channels);
+}
+
+MachineOptions shareOf(MachineOptions machine, size_t channels) {
+  if (channels > 1) machine.memory_bytes = memoryBudget(machine) / channels;
+  return machine;
+}
+
+std::vector<ChannelShare> channelShares(const std::vector<LayerLook>& channels, Combine combine,
+                                        const FrameOptions& frame, const MachineOptions& machine,
+                                        uint64_t more_bytes, WorkerPool& pool) {
+  std::vector<ChannelShare> shares;
+  shares.reserve(channels.size());
+  for (const LayerLook& channel : channels) {
+    const IndexedVolume& volume = *channel.volume;
+    ChannelShare& share =
+        shares.emplace_back(ChannelShare{.look = channel,
+                                         .step = volume.step(),
+                                         .frame = frameOfChannel(channel, channels, combine, frame),
+                                         .machine = shareOf(machine, channels.size()),
+                                         .page = volume.page});
+    share.others_bytes = othersBytes(volume, *channel.transfer, share.frame, pool) + more_bytes;
+    share.page.pages = besideShare(volume, share.machine, share.frame.partition,
+                                   pictureDemand(share.machine, share.frame), share.others_bytes)
+                           .pages;
+  }
+  if (!blends(combine, channels.size())) return shares;
+  std::vector<std::pair<const IndexedVolume*, PageGeometry*>> pages;
+  pages.reserve(shares.size());
+  for (ChannelShare& share : shares) pages.emplace_back(share.look.volume, &share.page);
+  evenOutPages(pages);
+  return shares;
+}
+
+}  // namespace sluice

@@ -1,0 +1,113 @@
+// Traces of several channels, recorded by the renderer and planned by the simulator.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "tests/tools/channels_fixture.h"
+
+namespace sluice {
+namespace {
+
+using testing::HasSubstr;
+using testing::StartsWith;
+
+// A scene of several channels, and the names of their traces for t.bin.
+struct TracedScene {
+  std::string options;
+  std::vector<std::string> traces;
+};
+const std::vector<TracedScene> kTracedScenes = {
+    {"cells.ome.zarr --over flat.ome.zarr", {"t_0.bin", "t_1.bin", "t_2.bin", "t_over.bin"}},
+    {"cells.ome.zarr --combine blend", {"t_0.bin", "t_1.bin", "t_2.bin"}},
+    {"eight.ome.zarr --channel 0,1 --over flat.ome.zarr --combine blend --projection perspective",
+     {"t_0.bin", "t_1.bin", "t_over.bin"}}};
+constexpr const char* kTracedMachine =
+    " --frames 4 --size 60x50 --block 16 --page 16x16x4 --pages 32 ";
+
+// The counters of the row are those of the renderer's cache, whose uploads are those of a device
+// that copies.
+void expectCounters(const nlohmann::json& row, const nlohmann::json& cache, bool copies) {
+  EXPECT_EQ(row["chunk_requests"], cache["requests"]);
+  EXPECT_EQ(row["chunk_misses"], cache["misses"]);
+  EXPECT_EQ(row["evictions"], cache["evictions"]);
+  EXPECT_EQ(row["pages_loaded"], cache["pages_loaded"]);
+  EXPECT_EQ(cache["uploaded_bytes"], copies ? row["bytes_moved"] : nlohmann::json(0));
+}
+
+// Each channel has a cache of its own share, and the simulator's numbers are its real uploads.
+TEST_F(Channels, tracesOfChannelsCostWhatTheRendererUploadedForEach) {
+  for (const std::string device : {"cpu", "gl --gl osmesa"})
+    for (const TracedScene& scene : kTracedScenes) {
+      SCOPED_TRACE(device + " " + scene.options);
+      const CommandResult drawn =
+          program_.run("render " + scene.options + kTracedMachine +
+                       "-o t.png --force --trace t.bin --report r.json --device " + device);
+      if (drawn.status != 0 && device != "cpu") GTEST_SKIP() << "no software OpenGL";
+      ASSERT_EQ(drawn.status, 0) << drawn.output;
+      const auto report = nlohmann::json::parse(readFile(program_.folder / "r.json"));
+      ASSERT_EQ(report["channels"].size(), scene.traces.size());
+      nlohmann::json sum = nlohmann::json::object();
+      for (size_t i = 0; i < scene.traces.size(); ++i) {
+        SCOPED_TRACE(scene.traces[i]);
+        const auto& cache = report["channels"][i]["levels"]["texture_cache"];
+        const std::string pages = std::to_string(cache["pages"].get<int64_t>());
+        const auto rows =
+            program_.json(fmt::format("simulate {} --policies lru --sizes {} --pages {}",
+                                      scene.traces[i], pages, pages))["rows"];
+        ASSERT_EQ(rows.size(), 1);
+        expectCounters(rows[0], cache, device != "cpu");
+        EXPECT_GT(cache["evictions"].get<int64_t>() + cache["hits"].get<int64_t>(), 0);
+        for (const char* key :
+             {"requests", "misses", "evictions", "pages_loaded", "uploaded_bytes"})
+          sum[key] = sum.value(key, int64_t{0}) + cache[key].get<int64_t>();
+      }
+      for (const auto& [key, value] : sum.items())
+        EXPECT_EQ(report["levels"]["texture_cache"][key], value) << key;
+      EXPECT_FALSE(program_.exists("t.bin"));
+    }
+}
+
+// The channel stands before the extension. A name that cannot be written is refused as it was
+// given.
+TEST_F(Channels, tracesAreNamedByTheirChannel) {
+  const auto draw = [&](const std::string& trace) {
+    return program_.run("render cells.ome.zarr --size 30x20 --force -o a.png --trace " + trace);
+  };
+  for (const auto& [asked, first] :
+       {std::pair("a.txt", "a_0.txt"), std::pair("b", "b_0"), std::pair("c.d.txt", "c.d_0.txt"),
+        std::pair("./.txt", ".txt_0")}) {
+    const CommandResult drawn = draw(asked);
+    EXPECT_EQ(drawn.status, 0) << drawn.output;
+    EXPECT_TRUE(program_.exists(first)) << asked;
+  }
+  const CommandResult refused = draw("e.txt.gz");
+  EXPECT_EQ(refused.status, 1);
+  EXPECT_THAT(refused.output, HasSubstr("sluice: e.txt.gz: compressed traces are read, not "
+                                        "written; name it e.txt and compress it afterwards"));
+}
+
+TEST_F(Channels, tracesReplaceOnlyTraces) {
+  std::ofstream(program_.folder / "t_1.txt") << "mine";
+  const std::string command = "render cells.ome.zarr --size 60x50 -o a.png --trace t.txt";
+  const CommandResult refused = program_.run(command);
+  EXPECT_EQ(refused.status, 1);
+  EXPECT_THAT(refused.output, HasSubstr("--trace t_1.txt: exists and is not a trace"));
+  EXPECT_EQ(readFile(program_.folder / "t_1.txt"), "mine");
+  EXPECT_FALSE(program_.exists("t_0.txt"));
+  EXPECT_EQ(program_.run(command + " --force").status, 0);
+  EXPECT_EQ(program_.run(command).status, 0) << "a trace replaces a trace";
+  EXPECT_THAT(readFile(program_.folder / "t_1.txt"), StartsWith("sluice-trace 1"));
+  EXPECT_THAT(
+      program_.run("render cells.ome.zarr -o a.png --trace t.txt --report t_0.txt --force").output,
+      HasSubstr("is the same file as"));
+}
+
+}  // namespace
+}  // namespace sluice

@@ -1,0 +1,52 @@
+#include "tools/scene/opened_picture.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace sluice {
+
+std::vector<LayerLook> OpenedPicture::looks() const {
+  std::vector<LayerLook> looks;
+  looks.reserve(volumes.size());
+  for (size_t i = 0; i < volumes.size(); ++i) looks.push_back({&volumes[i], &transfers[i]});
+  return looks;
+}
+
+std::vector<const ShownChannel*> OpenedPicture::shown() const {
+  std::vector<const ShownChannel*> shown;
+  shown.reserve(volumes.size());
+  for (const IndexedVolume& volume : volumes) shown.push_back(&volume.channel);
+  return shown;
+}
+
+OpenedPicture openPicture(PictureRequest request, FinestLevel finest, const Outputs& outputs,
+                          WorkerPool& pool) {
+  const FrameOptions& frame = request.frame;
+  OpenedPicture opened;
+  opened.volumes = openIndexedChannels(request.volume, request.look, request.resources, frame,
+                                       finest, pool, outputs);
+  opened.transfers.reserve(opened.volumes.size());
+  for (const IndexedVolume& volume : opened.volumes)
+    opened.transfers.push_back(lookFor(volume, request.look, frame.mode).transfer);
+  requireShown(request.look, opened.shown());
+  std::vector<const IndexedVolume*> volumes;
+  std::vector<FittedVolume> fitted;
+  for (const LayerLook& look : opened.looks()) {
+    volumes.push_back(look.volume);
+    fitted.push_back({*look.volume, look.volume->step(), *look.transfer});
+  }
+  requireBlendable(request.look, frame, volumes);
+  opened.cameras = std::move(request.cameras);
+  fitCameras(opened.cameras, request.fit, {std::move(fitted), frame, request.look.this_step}, {},
+             request.resources, pool);
+  return opened;
+}
+
+bool mustReadFinest(const OpenedPicture& picture, const FrameOptions& frame, WorkerPool& pool) {
+  const VolumeLayout& first = picture.volumes.front().source->layout();
+  return std::ranges::any_of(picture.looks(), [&](const LayerLook& look) {
+    return mustReadFinest(*look.volume, *look.transfer, first, frame, picture.cameras, pool);
+  });
+}
+
+}  // namespace sluice
