@@ -59,7 +59,8 @@ using Label = std::pair<const char*, std::string SimulationRow::*>;
 std::vector<Label> labelsOf(std::span<const SimulationRow> rows) {
   std::vector<Label> labels;
   for (const Label& label :
-       {Label{"trace", &SimulationRow::trace}, Label{"page", &SimulationRow::page}})
+       {Label{"trace", &SimulationRow::trace}, Label{"page", &SimulationRow::page},
+        Label{"channel", &SimulationRow::channel}})
     if (std::any_of(rows.begin(), rows.end(),
                     [&](const SimulationRow& row) { return !(row.*label.second).empty(); }))
       labels.push_back(label);

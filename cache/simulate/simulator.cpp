@@ -227,6 +227,27 @@ std::vector<SimulationRow> simulateTable(const PreparedTrace& trace,
   return rows;
 }
 
+void add(SimulationRow& sum, const SimulationRow& more) {
+  sum.pages += more.pages;
+  sum.requests += more.requests;
+  sum.hits += more.hits;
+  sum.misses += more.misses;
+  sum.compulsory += more.compulsory;
+  sum.capacity += more.capacity;
+  sum.conflict += more.conflict;
+  sum.chunks += more.chunks;
+  sum.pages_loaded += more.pages_loaded;
+  sum.bytes.moved += more.bytes.moved;
+  sum.bytes.needed += more.bytes.needed;
+  sum.bytes.extended += more.bytes.extended;
+  sum.bytes.empty += more.bytes.empty;
+  sum.failures += more.failures;
+  sum.failed_pages += more.failed_pages;
+  sum.failed_bytes += more.failed_bytes;
+  sum.modelled_seconds += more.modelled_seconds;
+  if (sum.planned_pages && more.planned_pages) *sum.planned_pages += *more.planned_pages;
+}
+
 std::string brokenIdentity(const SimulationRow& row) {
   if (row.requests != row.hits + row.misses)
     return fmt::format("requests {} != hits {} + misses {}", row.requests, row.hits, row.misses);

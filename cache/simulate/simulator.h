@@ -60,8 +60,8 @@ struct SimulationRow {
   double modelled_seconds = 0;
   // The cache size in pages that the chunks were planned for, if they were planned.
   std::optional<uint64_t> planned_pages;
-  // The trace and the page size of this row, if several are simulated; else empty.
-  std::string trace, page;
+  // The trace, the page size and the channel of this row, if several are simulated; else empty.
+  std::string trace, page, channel;
 
   // Page misses of all page requests; 1 for an empty trace.
   double missRatio() const {
@@ -79,13 +79,18 @@ std::vector<SimulationRow> simulateTable(const PreparedTrace& trace,
                                          std::span<const uint64_t> sizes_pages,
                                          SimulationConfig config);
 
+// Counts another cache with `more`, under the same policy: everything is added up, pages and
+// seconds, too.
+void add(SimulationRow& sum, const SimulationRow& more);
+
 // Empty, or one line that names the broken identity of the header or of the counters.
 std::string brokenIdentity(const SimulationRow& row);
 
 // "policy,pages,requests,...": a header line and a line a row, ended by newlines. Rows that name
-// their trace or page size have it in columns at the end; names with commas or quotes are quoted.
+// their trace, page size or channel have it in columns at the end; names with commas or quotes are
+// quoted.
 std::string toCsv(std::span<const SimulationRow> rows);
-// {"rows": [{"policy": ...}]} with the names of toCsv, less the trace and page size. Unknown values
+// {"rows": [{"policy": ...}]} with the names of toCsv, less the labels. Unknown values
 // are empty there, null here.
 std::string toJson(std::span<const SimulationRow> rows);
 

@@ -54,6 +54,39 @@ TEST_F(BlendedLevels, aPlanIsThatOfThePicture) {
   }
 }
 
+// The simulator plans the requests of each channel from the same cut, also when the levels have two
+// numbers a texel, a channel shows nothing, or all blocks are loaded.
+TEST_F(BlendedLevels, aSimulatedTurnIsThatOfThePicture) {
+  for (const char* options :
+       {"--pixel-error 1", "--pixel-error 3 --zoom 3 --projection perspective --pages 2048",
+        "--level 1", "--combine add --pixel-error 2", "--pixel-error 2 --look 0:red,254:255",
+        "--pixel-error 1 --algorithm conventional --pages 4096"}) {
+    SCOPED_TRACE(options);
+    const std::string command =
+        fmt::format("{}--frames 3 --force {} ", kPair, options) +
+        (std::string_view(options).starts_with("--combine") ? "" : "--combine blend ");
+    const auto report = program_.json("render" + command + "--trace t.bin -o a.png")["channels"];
+    const auto simulated = program_.json("simulate" + command + "--policies lru --export p.bin");
+    ASSERT_EQ(report.size(), 2);
+    for (size_t c = 0; c < 2; ++c) {
+      const auto& cache = report[c]["levels"]["texture_cache"];
+      EXPECT_EQ(simulated["runs"][c]["chosen"]["pages"], cache["pages"]);
+      size_t rows = 0;
+      for (const auto& row : simulated["rows"]) {
+        if (row["channel"] != report[c]["channel"] || row["pages"] != cache["pages"]) continue;
+        ++rows;
+        EXPECT_EQ(row["chunk_requests"], cache["requests"]);
+        EXPECT_EQ(row["chunk_misses"], cache["misses"]);
+        EXPECT_EQ(row["evictions"], cache["evictions"]);
+        EXPECT_EQ(row["pages_loaded"], cache["pages_loaded"]);
+      }
+      EXPECT_EQ(rows, 1);
+      EXPECT_EQ(picture(c == 0 ? "p_0.bin" : "p_over.bin"),
+                picture(c == 0 ? "t_0.bin" : "t_over.bin"));
+    }
+  }
+}
+
 // As coarse as it is asked for, it reads no finer level, and differs from the finest one by little.
 TEST_F(BlendedLevels, aCoarsePictureReadsNoFineLevel) {
   const auto readBytes = [&](const std::string& options) {

@@ -74,6 +74,86 @@ TEST_F(Channels, tracesOfChannelsCostWhatTheRendererUploadedForEach) {
     }
 }
 
+// The simulator plans the requests of each channel as the renderer makes them: the same traces,
+// with the same misses, evictions and uploads in caches of the same size, which the sum adds up.
+TEST_F(Channels, aPlannedTurnIsWhatTheRendererUploadsForEach) {
+  for (const std::string device : {"cpu", "gl --gl osmesa"})
+    for (const TracedScene& scene : kTracedScenes)
+      for (const std::string machine : {"--pages 32", "--pages 128", "--memory 60M"}) {
+        SCOPED_TRACE(device + " " + scene.options + " " + machine);
+        const std::string command =
+            scene.options + " --frames 4 --size 60x50 --block 16 --page 16x16x4 --force --zoom 2 " +
+            machine + " --policy sieve ";
+        const CommandResult drawn =
+            program_.run("render " + command +
+                         "-o t.png --force --trace t.bin --report r.json --device " + device);
+        if (drawn.status != 0 && device != "cpu") GTEST_SKIP() << "no software OpenGL";
+        ASSERT_EQ(drawn.status, 0) << drawn.output;
+        const auto report = nlohmann::json::parse(readFile(program_.folder / "r.json"));
+        const bool has_pages = machine.starts_with("--pages");
+        const auto simulated = program_.json(
+            "simulate " + command + "--policies sieve --export p.bin " +
+            (has_pages ? "--sizes " + machine.substr(std::string_view("--pages ").size()) : ""));
+        size_t checked = 0;
+        for (size_t i = 0; i < scene.traces.size(); ++i) {
+          SCOPED_TRACE(scene.traces[i]);
+          const auto& channel = report["channels"][i];
+          const auto& cache = channel["levels"]["texture_cache"];
+          EXPECT_EQ(simulated["runs"][i]["channel"], channel["channel"]);
+          EXPECT_EQ(simulated["runs"][i]["chosen"]["pages"], cache["pages"]);
+          for (const auto& row : simulated["rows"]) {
+            if (row["channel"] != channel["channel"] || row["pages"] != cache["pages"]) continue;
+            ++checked;
+            EXPECT_EQ(row["planned_pages"], row["pages"]);
+            expectCounters(row, cache, device != "cpu");
+          }
+          std::string planned = scene.traces[i];
+          planned.front() = 'p';
+          EXPECT_TRUE(readFile(program_.folder / planned) ==
+                      readFile(program_.folder / scene.traces[i]));
+        }
+        EXPECT_EQ(checked, scene.traces.size());
+        const auto& all = report["levels"]["texture_cache"];
+        const auto sum = std::ranges::find_if(
+            simulated["sum"], [&](const auto& row) { return row["pages"] == all["pages"]; });
+        ASSERT_NE(sum, simulated["sum"].end());
+        expectCounters(*sum, all, device != "cpu");
+        EXPECT_EQ((*sum)["channel"], "sum");
+      }
+}
+
+// Each channel has its rows, in the table, the JSON and the CSV, and one channel has no label.
+TEST_F(Channels, simulatedChannelsAreTold) {
+  const std::string options = "--frames 2 --size 60x50 --policies lru,fifo --sizes 64,128 ";
+  const CommandResult table =
+      program_.run("simulate cells.ome.zarr --channel 2,Actin --csv t.csv " + options);
+  EXPECT_EQ(table.status, 0);
+  for (const char* title :
+       {"cells.ome.zarr, channel 2 (Spots)\n", "channel 1 (Actin)\n", "\nall channels together\n"})
+    EXPECT_THAT(table.output, HasSubstr(title));
+  const std::string csv = readFile(program_.folder / "t.csv");
+  EXPECT_THAT(csv, HasSubstr(",miss_ratio,channel\n"));
+  for (const char* ending : {",2\n", ",1\n", ",sum\n"}) {
+    size_t rows = 0;
+    for (size_t at = csv.find(ending); at != std::string::npos; at = csv.find(ending, at + 1))
+      ++rows;
+    EXPECT_EQ(rows, 4) << ending;
+  }
+  const auto two = program_.json("simulate cells.ome.zarr --channel 2,Actin " + options);
+  const auto over =
+      program_.json("simulate cells.ome.zarr --channel 2 --over flat.ome.zarr " + options);
+  EXPECT_EQ(two["rows"].size(), 8);
+  EXPECT_EQ(two["sum"].size(), 4);
+  EXPECT_EQ(over["rows"][4]["channel"], "over");
+  for (size_t i = 0; i < 4; ++i)
+    for (const char* key : {"requests", "hits", "misses", "bytes_moved", "pages"})
+      EXPECT_EQ(two["sum"][i][key],
+                two["rows"][i][key].get<int64_t>() + two["rows"][i + 4][key].get<int64_t>());
+  const auto one = program_.json("simulate cells.ome.zarr --channel 1 " + options);
+  EXPECT_FALSE(one.contains("sum"));
+  EXPECT_FALSE(one["rows"][0].contains("channel"));
+}
+
 // The channel stands before the extension. A name that cannot be written is refused as it was
 // given.
 TEST_F(Channels, tracesAreNamedByTheirChannel) {

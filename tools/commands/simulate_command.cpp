@@ -51,8 +51,10 @@ int run(const SimulateArguments& arguments) {
   if (arguments.json) sayJson(report);
   if (arguments.json || prints_csv || arguments.turn.resources.quiet) return 0;
   for (const SimulatedRun& run : runs) printSimulation(run, arguments);
-  for (const std::string& file :
-       {arguments.html_file, arguments.report_file, arguments.csv_file, arguments.export_file})
+  printSum(runs);
+  std::vector<std::string> files{arguments.html_file, arguments.report_file, arguments.csv_file};
+  for (const SimulatedRun& run : runs) files.push_back(run.export_file);
+  for (const std::string& file : files)
     if (!file.empty()) say("{}\n", file);
   return 0;
 }
@@ -132,6 +134,7 @@ Command addSimulate(CLI::App& program) {
   TurnArguments& turn = arguments->turn;
   const size_t before = app->get_options().size();
   addVolumeOptions(*app, turn.volume);
+  addOverOption(*app, turn.volume);
   addPictureOptions(*app, turn.look, turn.frame, turn.fit);
   addFrameOptions(*app, turn.frame);
   addLevelOptions(*app, turn.levels, turn.resources);
@@ -202,9 +205,11 @@ Command addSimulate(CLI::App& program) {
   output.text("--html", "FILE", arguments->html_file, "Self-contained report with plots");
   addReportOption(output, arguments->report_file);
   output.text("--csv", "FILE", arguments->csv_file, "The table; - is the standard output");
-  output.text("--export", "FILE", arguments->export_file,
-              "The requests (of a volume: to a cache of --pages), also for other simulators: "
-              ".txt, .csv, .oracleGeneral, .din, else compact binary");
+  output.text(
+      "--export", "FILE", arguments->export_file,
+      "The requests (of a volume: to a cache of --pages; of several channels a file each, as "
+      "t_0.txt for t.txt), also for other simulators: .txt, .csv, .oracleGeneral, .din, else "
+      "compact binary");
   addForceOption(output, arguments->force);
   addQuietOption(output, arguments->turn.resources.quiet);
   addJsonOption(output, arguments->json);

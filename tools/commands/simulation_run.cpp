@@ -9,8 +9,8 @@
 #include "cache/model/page_geometry.h"
 #include "src/base/error.h"
 #include "src/base/values/bytes.h"
+#include "src/library/drawing/channel_traces.h"
 #include "tools/pages/report_file.h"
-#include "tools/scene/open_scene.h"
 
 namespace sluice {
 namespace {
@@ -36,46 +36,51 @@ std::vector<PolicyKind> policiesOf(const SimulateArguments& arguments) {
   return kinds;
 }
 
-// The cache that facts, plots and reading ahead are of.
-SimulationConfig chosenConfig(const SimulateArguments& arguments, const ReplaySource& source) {
+// The size that is asked for of the cache that facts, plots and reading ahead are of.
+uint64_t chosenPages(const SimulateArguments& arguments, const ReplaySource& source) {
+  if (arguments.turn.resources.pages) return static_cast<uint64_t>(*arguments.turn.resources.pages);
+  if (!arguments.machine.empty())
+    return static_cast<uint64_t>(findPageConfiguration(arguments.machine)->geometry.pages);
+  return arguments.sizes.empty() ? source.defaultPages() : arguments.sizes.front();
+}
+
+SimulationConfig chosenConfig(const SimulateArguments& arguments, uint64_t pages) {
   SimulationConfig chosen;
   chosen.policy = arguments.turn.resources.policy;
   chosen.seed = arguments.turn.resources.seed;
   chosen.pin_clusters = arguments.pins && !arguments.by_page;
-  if (arguments.turn.resources.pages) {
-    chosen.pages = static_cast<uint64_t>(*arguments.turn.resources.pages);
-  } else if (!arguments.machine.empty()) {
-    chosen.pages = static_cast<uint64_t>(findPageConfiguration(arguments.machine)->geometry.pages);
-  } else {
-    chosen.pages = arguments.sizes.empty() ? source.defaultPages() : arguments.sizes.front();
-  }
+  chosen.pages = pages;
   return chosen;
 }
 
 // A run while it is computed.
 class Run {
  public:
-  Run(const SimulateArguments& arguments, ReplaySource& source)
-      : arguments_(arguments), source_(source) {
+  Run(const SimulateArguments& arguments, ReplaySource& source, std::string export_file)
+      : arguments_(arguments), source_(source), export_file_(std::move(export_file)) {
     result_.title = source.title();
-    result_.chosen = chosenConfig(arguments, source);
+    result_.asked_chosen = chosenPages(arguments, source);
+    result_.chosen = chosenConfig(arguments, source.cachePages(result_.asked_chosen));
   }
 
   SimulatedRun simulate() {
-    trace_ = asRequested(source_.requests(result_.chosen.pages));
+    trace_ = asRequested(source_.requests(result_.asked_chosen));
     result_.page_bytes = trace_.page_bytes;
     result_.resized = trace_.resized;
     result_.is_pinned = result_.chosen.pin_clusters && !trace_.visits.empty();
     result_.facts = factsOf(trace_, result_.chosen);
-    result_.sizes = arguments_.sizes;
-    if (result_.sizes.empty()) {
-      result_.sizes = defaultSizes(trace_, result_.chosen.pages);
-      std::erase_if(result_.sizes, [&](uint64_t pages) { return pages < source_.leastPages(); });
+    result_.asked = arguments_.sizes;
+    if (result_.asked.empty()) {
+      result_.asked = defaultSizes(trace_, result_.asked_chosen);
+      std::erase_if(result_.asked, [&](uint64_t pages) { return pages < source_.leastPages(); });
     }
-    for (const uint64_t pages : result_.sizes) addRows(pages, result_.rows);
+    for (const uint64_t asked : result_.asked) {
+      addRows(asked, result_.rows);
+      result_.sizes.push_back(source_.cachePages(asked));
+    }
     if (is_one_trace_) result_.lru = LruCurve{lruCurve(trace_)};
     if (arguments_.wantsPage()) makePage();
-    if (arguments_.prefetch || !arguments_.export_file.empty()) useRecords();
+    if (arguments_.prefetch || !export_file_.empty()) useRecords();
     result_.warnings = source_.warnings();
     return std::move(result_);
   }
@@ -84,7 +89,7 @@ class Run {
   SimulatedRun sample() {
     const double rate = *arguments_.sample_rate;
     ShardsEstimator shards = ShardsEstimator::fixedRate(rate, result_.chosen.seed);
-    result_.page_bytes = source_.visit(result_.chosen.pages, [&](const TraceRecord& record) {
+    result_.page_bytes = source_.visit(result_.asked_chosen, [&](const TraceRecord& record) {
       shards.request(record.chunk, record.pages);
     });
     if (shards.sampledChunks() == 0)
@@ -124,14 +129,15 @@ class Run {
     return splitIntoPages(chunks);
   }
 
-  void addRows(uint64_t pages, std::vector<SimulationRow>& rows) {
-    const std::optional<uint64_t> planned = source_.plannedPages(pages);
+  void addRows(uint64_t asked, std::vector<SimulationRow>& rows) {
+    const std::optional<uint64_t> planned = source_.plannedPages(asked);
     std::optional<PreparedTrace> other;
-    if (planned != source_.plannedPages(result_.chosen.pages)) {
-      other = asRequested(source_.requests(pages));
+    if (planned != source_.plannedPages(result_.asked_chosen)) {
+      other = asRequested(source_.requests(asked));
       is_one_trace_ = false;
     }
     const size_t before = rows.size();
+    const uint64_t pages = source_.cachePages(asked);
     const std::vector<SimulationRow> more =
         simulateTable(other ? *other : trace_, policiesOf(arguments_), {&pages, 1}, result_.chosen);
     rows.insert(rows.end(), more.begin(), more.end());
@@ -141,14 +147,14 @@ class Run {
   void makePage() {
     std::vector<SimulationRow> rows = result_.rows;
     // The page shows the chosen size, asked for in the table or not.
-    if (std::count(result_.sizes.begin(), result_.sizes.end(), result_.chosen.pages) == 0)
-      addRows(result_.chosen.pages, rows);
+    if (std::count(result_.asked.begin(), result_.asked.end(), result_.asked_chosen) == 0)
+      addRows(result_.asked_chosen, rows);
     result_.report =
         makeReport(trace_, result_.title, std::move(rows), is_one_trace_, result_.chosen);
   }
 
   void useRecords() {
-    const Trace records = source_.records(result_.chosen.pages);
+    const Trace records = source_.records(result_.asked_chosen);
     if (arguments_.prefetch) {
       if (!records.carries_clusters)
         fail("{}: --prefetch models reading ahead of clusters, and this trace carries none",
@@ -157,33 +163,94 @@ class Run {
           simulatePrefetch(records, {*arguments_.prefetch, result_.chosen.policy,
                                      result_.chosen.pages, result_.chosen.seed, arguments_.pins});
     }
-    if (arguments_.export_file.empty()) return;
-    const auto writer = makeTraceWriter(arguments_.export_file,
-                                        traceFormatOf(arguments_.export_file), records.page_bytes);
+    if (export_file_.empty()) return;
+    const auto writer =
+        makeTraceWriter(export_file_, traceFormatOf(export_file_), records.page_bytes);
     for (const TraceRecord& record : records.records) writer->write(record);
     writer->finish();
   }
 
   const SimulateArguments& arguments_;
   ReplaySource& source_;
+  const std::string export_file_;  // may be empty
   SimulatedRun result_;
   PreparedTrace trace_;       // for the chosen cache
   bool is_one_trace_ = true;  // the same requests at every size
 };
 
-SimulatedRun runOf(const SimulateArguments& arguments, ReplaySource& source, std::string trace,
-                   std::string page) {
-  Run run(arguments, source);
+// The values in the rows of a run; those that tell nothing apart are empty.
+struct RunLabels {
+  std::string trace = {}, page = {}, channel = {};
+};
+
+SimulatedRun runOf(const SimulateArguments& arguments, ReplaySource& source, RunLabels labels,
+                   std::string export_file) {
+  Run run(arguments, source, export_file);
   SimulatedRun result = arguments.sample_rate ? run.sample() : run.simulate();
-  if (!page.empty()) result.title += ", pages of " + page;
+  if (!labels.page.empty()) result.title += ", pages of " + labels.page;
   if (result.report) result.report->title = result.title;
   for (SimulationRow& row : result.rows) {
-    row.trace = trace;
-    row.page = page;
+    row.trace = labels.trace;
+    row.page = labels.page;
+    row.channel = labels.channel;
   }
-  result.trace = std::move(trace);
-  result.page = std::move(page);
+  result.trace = std::move(labels.trace);
+  result.page = std::move(labels.page);
+  result.channel = std::move(labels.channel);
+  result.export_file = std::move(export_file);
   return result;
+}
+
+using Turns = std::vector<std::unique_ptr<ReplaySource>>;
+
+// The file of each turn for --export, checked like files that the user names.
+std::vector<std::string> exportFiles(const SimulateArguments& arguments, const Turns& turns) {
+  const std::string& asked = arguments.export_file;
+  if (asked.empty() || turns.size() == 1) return std::vector<std::string>(turns.size(), asked);
+  std::vector<const ShownChannel*> channels;
+  channels.reserve(turns.size());
+  for (const auto& turn : turns) channels.push_back(turn->channel());
+  std::vector<std::string> files = channelTraces(asked, channels);
+  SimulateArguments others = arguments;
+  others.export_file.clear();
+  Outputs outputs = outputsOf(others);
+  for (const std::string& file : files) outputs.writesTrace("--export", file);
+  for (const auto& turn : turns) outputs.check(turn->files());
+  return files;
+}
+
+// The positions in the runs' sizes of the sizes to add up: those that each run has.
+std::vector<std::vector<size_t>> commonSizes(std::span<const SimulatedRun> runs) {
+  std::vector<std::vector<size_t>> sizes;
+  const auto addIfAll = [&](const auto& askedOf) {
+    std::vector<size_t> at;
+    for (const SimulatedRun& run : runs) {
+      const auto found = std::ranges::find(run.asked, askedOf(run));
+      if (found == run.asked.end()) return;
+      at.push_back(static_cast<size_t>(found - run.asked.begin()));
+    }
+    if (std::ranges::find(sizes, at) == sizes.end()) sizes.push_back(std::move(at));
+  };
+  for (const uint64_t asked : runs.front().asked)
+    addIfAll([&](const SimulatedRun& /*run*/) { return asked; });
+  // The channels' shares of the memory may hold different numbers of pages.
+  addIfAll([](const SimulatedRun& run) { return run.asked_chosen; });
+  return sizes;
+}
+
+// Requires: the runs are of the channels of one picture.
+std::vector<SimulationRow> sumOfRuns(std::span<const SimulatedRun> runs) {
+  std::vector<SimulationRow> sums;
+  for (const std::vector<size_t>& at : commonSizes(runs)) {
+    const size_t policies = runs.front().rows.size() / runs.front().asked.size();
+    for (size_t policy = 0; policy < policies; ++policy) {
+      SimulationRow sum = runs.front().rows[at.front() * policies + policy];
+      for (size_t i = 1; i < runs.size(); ++i) add(sum, runs[i].rows[at[i] * policies + policy]);
+      sum.channel = kSumOfChannels;
+      sums.push_back(std::move(sum));
+    }
+  }
+  return sums;
 }
 
 }  // namespace
@@ -199,7 +266,8 @@ size_t SimulateArguments::runs() const {
 Outputs outputsOf(const SimulateArguments& arguments) {
   Outputs outputs(arguments.force);
   outputs.reads(arguments.turn.volume.inputs);
-  outputs.reads(arguments.turn.look.transfer_file);
+  outputs.reads(arguments.turn.volume.over);
+  outputs.reads(filesOf(arguments.turn.look));
   outputs.writes("--html", arguments.html_file, FileKind::kPage);
   outputs.writes("--report", arguments.report_file, reportKind(arguments.report_file));
   if (arguments.csv_file != "-") outputs.writes("--csv", arguments.csv_file, FileKind::kTable);
@@ -218,7 +286,8 @@ std::vector<SimulatedRun> simulateRuns(const SimulateArguments& arguments) {
     outputs.check();
     for (const std::string& file : inputs) {
       const auto source = openTraceFile(file, arguments.format, arguments.page_bytes);
-      runs.push_back(runOf(arguments, *source, is_named ? file : "", ""));
+      runs.push_back(
+          runOf(arguments, *source, {.trace = is_named ? file : ""}, arguments.export_file));
     }
     return runs;
   }
@@ -227,10 +296,31 @@ std::vector<SimulatedRun> simulateRuns(const SimulateArguments& arguments) {
   for (const std::optional<Vec3i>& size : sizes) {
     TurnArguments turn = arguments.turn;
     if (size) turn.resources.page_vox = *size;
-    const auto source = openTurn(turn, outputs);
-    runs.push_back(runOf(arguments, *source, "", is_named ? printPageSize(*size) : ""));
+    const Turns turns = openTurn(turn, outputs);
+    const std::vector<std::string> files = exportFiles(arguments, turns);
+    for (size_t i = 0; i < turns.size(); ++i) {
+      const ShownChannel* const channel = turns[i]->channel();
+      runs.push_back(runOf(arguments, *turns[i],
+                           {.page = is_named ? printPageSize(*size) : "",
+                            .channel = channel != nullptr ? channel->id() : ""},
+                           files[i]));
+    }
   }
   return runs;
+}
+
+std::vector<SimulationRow> sumOfChannels(std::span<const SimulatedRun> runs) {
+  std::vector<SimulationRow> sums;
+  while (!runs.empty()) {
+    const std::string& page = runs.front().page;
+    const auto end =
+        std::ranges::find_if(runs, [&](const SimulatedRun& run) { return run.page != page; });
+    const auto count = static_cast<size_t>(end - runs.begin());
+    if (count > 1 && !runs.front().channel.empty() && !runs.front().rows.empty())
+      for (SimulationRow& sum : sumOfRuns(runs.first(count))) sums.push_back(std::move(sum));
+    runs = runs.subspan(count);
+  }
+  return sums;
 }
 
 }  // namespace sluice

@@ -1,10 +1,11 @@
-// The work of `sluice simulate`: each trace, or the turn around a volume with each page size,
-// through policies and cache sizes. Each of these is a run; runs follow one another, so that only
-// one trace is in memory at a time.
+// The work of `sluice simulate`: each trace, or the turn around each channel of a volume with each
+// page size, through policies and cache sizes. Each of these is a run; runs follow one another, so
+// that only one trace is in memory at a time.
 #pragma once
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -12,7 +13,7 @@
 #include "cache/simulate/prefetch.h"
 #include "cache/simulate/simulation_report.h"
 #include "tools/command_line/outputs.h"
-#include "tools/scene/replay.h"
+#include "tools/scene/turn.h"
 
 namespace sluice {
 
@@ -35,7 +36,7 @@ struct SimulateArguments {
 
   bool isTrace() const { return format || isTraceFile(turn.volume.inputs.front()); }
   bool wantsPage() const;  // --html, or --report with a page's name
-  size_t runs() const;     // how many
+  size_t runs() const;     // how many, for each channel
 };
 
 // LRU's miss ratio by cache size, from a sample of the chunks (SHARDS) or exact.
@@ -47,21 +48,30 @@ struct LruCurve {
 
 struct SimulatedRun {
   std::string title;
-  std::string trace, page;  // the values in its rows
+  std::string trace, page, channel;  // the values in its rows
   std::vector<std::pair<std::string, std::string>> facts;
   SimulationConfig chosen;
   uint64_t page_bytes = 0, resized = 0;
   bool is_pinned = false;
-  std::vector<SimulationRow> rows;
-  std::vector<uint64_t> sizes;
-  std::optional<LruCurve> lru;  // none if the requests differ from size to size
+  std::vector<SimulationRow> rows;  // every policy at every size, sizes in the outer loop
+  std::vector<uint64_t> sizes;      // of the rows
+  std::vector<uint64_t> asked;      // the sizes that were asked for, see ReplaySource
+  uint64_t asked_chosen = 0;        // of `chosen`
+  std::optional<LruCurve> lru;      // none if the requests differ from size to size
   std::optional<PrefetchResult> prefetch;
   std::optional<SimulationReport> report;  // if a page is wanted
+  std::string export_file;                 // the file of --export; may be empty
   std::vector<std::string> warnings;
 };
 
 // Files that are read and written, by the options' names.
 Outputs outputsOf(const SimulateArguments& arguments);
+
+// The channel of a sum in tables.
+inline constexpr const char* kSumOfChannels = "sum";
+// All caches of the channels together: rows for the sizes that each channel has, and for the cache
+// that the renderer gives each. Empty if there is only one channel.
+std::vector<SimulationRow> sumOfChannels(std::span<const SimulatedRun> runs);
 
 // Reads, replays and, for --export, writes the requests. Throws Error: a damaged or empty trace, a
 // volume that cannot be read, a cache too small to plan for, a sample without chunks.

@@ -12,10 +12,20 @@ namespace {
 
 using nlohmann::json;
 
-// The labels of a run, if there are several.
-void addLabels(json& object, const std::string& trace, const std::string& page) {
-  if (!trace.empty()) object["trace"] = trace;
-  if (!page.empty()) object["page"] = page;
+// The labels of a run or of a row, if there are several. Channels are numbers, "over" or "sum".
+void addLabels(json& object, const auto& labelled) {
+  if (!labelled.trace.empty()) object["trace"] = labelled.trace;
+  if (!labelled.page.empty()) object["page"] = labelled.page;
+  const std::string& channel = labelled.channel;
+  if (channel.empty()) return;
+  const bool is_number = channel.find_first_not_of("0123456789") == std::string::npos;
+  object["channel"] = is_number ? json::parse(channel) : json(channel);
+}
+
+json rowsJson(std::span<const SimulationRow> rows) {
+  json labelled = json::parse(toJson(rows))["rows"];
+  for (size_t i = 0; i < rows.size(); ++i) addLabels(labelled[i], rows[i]);
+  return labelled;
 }
 
 // At every size at which the miss ratio changes, thinned evenly to a limit.
@@ -50,7 +60,7 @@ void addSimulatedCurves(const SimulatedRun& run, json& curves) {
         curve["pages"].push_back(row.pages);
         curve["miss_ratio"].push_back(row.missRatio());
       }
-    addLabels(curve, run.trace, run.page);
+    addLabels(curve, run);
     curves.push_back(std::move(curve));
   }
 }
@@ -74,12 +84,12 @@ std::vector<SimulationRow> allRows(std::span<const SimulatedRun> runs) {
   return rows;
 }
 
-void printRows(const SimulatedRun& run) {
+void printRows(std::span<const SimulationRow> rows) {
   say("{:<13} {:>8} {:>8} {:>10} {:>13} {:>10} {:>10} {:>10} {:>10} {:>10} {:>10} {:>9} {:>7}\n",
       "policy", "pages", "planned", "miss ratio", "page requests", "hits", "misses", "compulsory",
       "capacity", "conflict", "moved", "seconds", "failed");
   bool any_failed = false;
-  for (const SimulationRow& row : run.rows) {
+  for (const SimulationRow& row : rows) {
     any_failed |= row.failures > 0;
     say("{:<13} {:>8} {:>8} {:>10.4f} {:>13} {:>10} {:>10} {:>10} {:>10} {:>10} {:>10} {:>9.4f} "
         "{:>7}{}\n",
@@ -104,24 +114,24 @@ void printSampled(const SimulatedRun& run) {
 }  // namespace
 
 json simulationJson(std::span<const SimulatedRun> runs, const SimulateArguments& arguments) {
-  const std::vector<SimulationRow> rows = allRows(runs);
-  json report = json::parse(toJson(rows));
-  for (size_t i = 0; i < rows.size(); ++i)
-    addLabels(report["rows"][i], rows[i].trace, rows[i].page);
+  json report{{"rows", rowsJson(allRows(runs))}};
+  const std::vector<SimulationRow> sum = sumOfChannels(runs);
+  if (!sum.empty()) report["sum"] = rowsJson(sum);
   report["command"] = "simulate";
   report.update(factsJson(runs.front()));
   json& curves = report["curves"] = json::array();
   for (const SimulatedRun& run : runs) {
     if (run.lru) {
       curves.push_back(lruCurveJson(*run.lru));
-      addLabels(curves.back(), run.trace, run.page);
+      addLabels(curves.back(), run);
     }
     addSimulatedCurves(run, curves);
   }
   if (runs.size() > 1)
     for (const SimulatedRun& run : runs) {
-      report["runs"].push_back(factsJson(run));
-      addLabels(report["runs"].back(), run.trace, run.page);
+      json& facts = report["runs"].emplace_back(factsJson(run));
+      addLabels(facts, run);
+      if (run.prefetch) facts["prefetch"] = prefetchJson(*run.prefetch, *arguments.prefetch);
     }
   if (runs.front().prefetch)
     report["prefetch"] = prefetchJson(*runs.front().prefetch, *arguments.prefetch);
@@ -129,7 +139,9 @@ json simulationJson(std::span<const SimulatedRun> runs, const SimulateArguments&
 }
 
 std::string simulationCsv(std::span<const SimulatedRun> runs) {
-  return toCsv(allRows(runs));
+  std::vector<SimulationRow> rows = allRows(runs);
+  for (SimulationRow& sum : sumOfChannels(runs)) rows.push_back(std::move(sum));
+  return toCsv(rows);
 }
 
 void printSimulation(const SimulatedRun& run, const SimulateArguments& arguments) {
@@ -138,11 +150,23 @@ void printSimulation(const SimulatedRun& run, const SimulateArguments& arguments
   if (arguments.sample_rate)
     printSampled(run);
   else
-    printRows(run);
+    printRows(run.rows);
   if (run.prefetch)
     say("prefetch {}: accuracy {:.3f}, coverage {:.3f}, pollution {:.4f}\n",
         name(*arguments.prefetch), run.prefetch->accuracy(), run.prefetch->coverage(),
         run.prefetch->pollution());
+}
+
+void printSum(std::span<const SimulatedRun> runs) {
+  const std::vector<SimulationRow> rows = sumOfChannels(runs);
+  // A table for each page size.
+  for (auto first = rows.begin(); first != rows.end();) {
+    const auto end = std::find_if(
+        first, rows.end(), [&](const SimulationRow& row) { return row.page != first->page; });
+    say("all channels together{}\n", first->page.empty() ? "" : ", pages of " + first->page);
+    printRows({first, end});
+    first = end;
+  }
 }
 
 }  // namespace sluice

@@ -12,10 +12,12 @@
 namespace sluice {
 
 // The interface's `rows` and `pinned`; `curves`: miss ratios by cache size; `runs` if there are
-// several.
+// several; `sum`: rows of all channels together, if there are several.
 nlohmann::json simulationJson(std::span<const SimulatedRun> runs,
                               const SimulateArguments& arguments);
 std::string simulationCsv(std::span<const SimulatedRun> runs);
 void printSimulation(const SimulatedRun& run, const SimulateArguments& arguments);
+// The table of all channels together, if there are several.
+void printSum(std::span<const SimulatedRun> runs);
 
 }  // namespace sluice

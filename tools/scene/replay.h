@@ -1,5 +1,5 @@
 // The input of `sluice simulate`: a recorded trace, which is the same at every cache size, or the
-// requests of a turn around a volume, planned for each size as the renderer would.
+// requests of a turn around a volume (turn.h), planned for each size as the renderer would.
 #pragma once
 
 #include <cstdint>
@@ -10,21 +10,26 @@
 #include <vector>
 
 #include "cache/trace/prepared_trace.h"
-#include "src/render/camera/frame_options.h"
-#include "tools/command_line/outputs.h"
-#include "tools/options/arguments.h"
+#include "src/library/opening/shown_channels.h"
 
 namespace sluice {
 
+// Sizes of caches are in pages as the user asks for them.
 class ReplaySource {
  public:
   virtual ~ReplaySource() = default;
   // A title for people.
   virtual std::string title() const = 0;
+  // The channel whose requests these are, if there are several; else null.
+  virtual const ShownChannel* channel() const { return nullptr; }
+  // The files that it is read from, but for those that the command names.
+  virtual std::vector<std::string> files() const { return {}; }
   // The size to study if the user does not set one.
   virtual uint64_t defaultPages() const = 0;
   // The least size that can be planned for.
   virtual uint64_t leastPages() const { return 1; }
+  // The pages that the cache really has if `pages` are asked for.
+  virtual uint64_t cachePages(uint64_t pages) const { return pages; }
   // The cache size for which the chunks are planned that a cache of `pages` pages is asked for;
   // nullopt if that is not known. Requests for two sizes are the same if this is.
   virtual std::optional<uint64_t> plannedPages(uint64_t pages) const = 0;
@@ -43,21 +48,5 @@ class ReplaySource {
 // tell.
 std::unique_ptr<ReplaySource> openTraceFile(const std::string& file,
                                             std::optional<TraceFormat> format, uint64_t page_bytes);
-
-struct TurnArguments {
-  VolumeArguments volume;
-  LookArguments look;
-  FrameOptions frame;
-  LevelArguments levels;
-  ResourceArguments resources;
-  FitChoice fit;
-  int64_t frames = 36;
-  bool is_plan_fixed =
-      false;  // planned for `fixed_pages` (0: the default) whatever the cache's size
-  uint64_t fixed_pages = 0;
-};
-// `frames` views of a full turn, from plans alone; the volume is opened and indexed here, once
-// `outputs` are none of the files that it is read from. Throws Error.
-std::unique_ptr<ReplaySource> openTurn(const TurnArguments& arguments, const Outputs& outputs);
 
 }  // namespace sluice
