@@ -130,7 +130,7 @@ void print(const IndexedVolume& volume, const ChosenLook& look) {
     say("  no value is a finite number\n");
   say("  {} blocks of {} a side, {} of them not all {}\n", volume.layout.blockCount(),
       volume.layout.size, ranges.blocks.size(), backgroundText(ranges));
-  say("  look {}: {}{}\n", look.transfer.name, look.options,
+  say("  look {}: {}{}\n", look.transfer.name, look.options(),
       layout.time_steps > 1 ? " (of this step; a picture uses the range of all steps)" : "");
   say("  index {}{}{}\n", volume.index->state, volume.index->path.empty() ? "" : ": ",
       volume.index->path.string());

@@ -118,7 +118,7 @@ json countersJson(const CacheCounters& c) {
 
 json lookJson(const ChosenLook& look) {
   return {{"name", look.transfer.name},
-          {"options", look.options},
+          {"options", look.options()},
           {"lit", look.lit},
           {"labels", look.transfer.labels}};
 }

@@ -97,7 +97,7 @@ class Chooser {
   }
 
  private:
-  void add(const std::string& option) { chosen_.options += option; }
+  void add(const std::string& option) { chosen_.unlit_options += option; }
   void addMap(std::string_view map) { add(fmt::format(" --map {}", shellWord(std::string(map)))); }
   void addRange(ValueRange range) {
     add(rangeOption(range));
@@ -304,8 +304,7 @@ class Chooser {
   void light() {
     if (!traitsOf(mode_).has_colors || look_.no_shade) chosen_.lit = false;
     if (look_.shade && traitsOf(mode_).has_colors) chosen_.lit = true;
-    if (traitsOf(mode_).has_colors) add(chosen_.lit ? " --shade" : " --no-shade");
-    if (!chosen_.options.empty()) chosen_.options.erase(0, 1);
+    if (!chosen_.unlit_options.empty()) chosen_.unlit_options.erase(0, 1);
   }
 
   const VolumeLayout& layout_;
@@ -318,6 +317,16 @@ class Chooser {
 };
 
 }  // namespace
+
+std::string ChosenLook::lightOption() const {
+  if (!traitsOf(mode).has_colors) return {};
+  return lit ? "--shade" : "--no-shade";
+}
+
+std::string ChosenLook::options() const {
+  const std::string light = lightOption();
+  return unlit_options + (unlit_options.empty() || light.empty() ? "" : " ") + light;
+}
 
 ChosenLook chooseLook(const VolumeLayout& layout, const ValueStatistics& values,
                       const LookArguments& look, Mode mode) {

@@ -25,8 +25,13 @@ struct ChosenLook {
   double flat_scale = 1;
   std::map<double, std::string> label_names;  // of labels to which a table gives names
   double label_opacity = 1;                   // factor of the labels' own opacities
-  std::string options;                // "--map ct-bone --range 40,255 --opacities 40:0,... --shade"
-  std::vector<std::string> warnings;  // one line each
+  std::string unlit_options;                  // "--map ct-bone --range 40,255 --opacities 40:0,..."
+  std::vector<std::string> warnings;          // one line each
+
+  // "--shade" or "--no-shade"; empty in modes without colours.
+  std::string lightOption() const;
+  // All options that give the look again.
+  std::string options() const;
 };
 
 // Counts and range of a volume's values: of all steps of a series, unless --this-step is given.

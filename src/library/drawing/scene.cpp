@@ -191,8 +191,8 @@ void Scene::chooseBlocksBy(BlockChooser* chooser) {
 }
 
 std::string Scene::lookText() const {
-  if (more.empty()) return look.options;
-  return lookOptions(asked, shownChannels(), look.options, look.mode);
+  if (more.empty()) return look.options();
+  return lookOptions(asked, shownChannels(), look);
 }
 
 std::string Scene::lookOf(const FrameOptions& options, const PictureOptions& picture) const {

@@ -265,16 +265,14 @@ std::string lookOption(const LookArguments& asked, const ShownChannel& channel) 
 
 // The options of a volume that another one lies over. --shade would light that one, too, so it is
 // there only if the user gave it. Without it, the first volume is lit unless --no-shade is there.
-std::string belowAnother(std::string options, const LookArguments& asked) {
-  constexpr std::string_view kLit = " --shade";
-  if (!asked.shade && options.ends_with(kLit)) options.resize(options.size() - kLit.size());
-  return options;
+std::string belowAnother(const ChosenLook& look, const LookArguments& asked) {
+  return look.lit && !asked.shade ? look.unlit_options : look.options();
 }
 
 }  // namespace
 
 std::string lookOptions(const LookArguments& asked, const std::vector<const ShownChannel*>& shown,
-                        const std::string& first_options, Mode mode) {
+                        const ChosenLook& first_look) {
   std::string channels, looks;
   for (const ShownChannel* channel : shown) {
     const bool is_plain = channel->is_alone && ownLook(asked, *channel) == nullptr;
@@ -284,7 +282,7 @@ std::string lookOptions(const LookArguments& asked, const std::vector<const Show
   const std::string combine = asked.combine == Combine::kBlend ? " --combine blend" : "";
   const ShownChannel& first = *shown.front();
   if (first.is_alone && ownLook(asked, first) == nullptr)
-    return belowAnother(first_options, asked) + looks + combine;
+    return belowAnother(first_look, asked) + looks + combine;
   // A volume's only channel needs no name, and may have none.
   std::string text = (first.is_alone ? "" : "--channel " + channels) + combine;
   if (asked.threshold) text += fmt::format(" --threshold {}", *asked.threshold);
@@ -298,9 +296,10 @@ std::string lookOptions(const LookArguments& asked, const std::vector<const Show
                         asked.opacities[i].opacity);
   text += looks;
   if (asked.this_step) text += " --this-step";
-  if (traitsOf(mode).combining == Combining::kAttenuated)
+  const ModeTraits& traits = traitsOf(first_look.mode);
+  if (traits.combining == Combining::kAttenuated)
     text += fmt::format(" --attenuation {}", asked.attenuation);
-  const bool has_colors = traitsOf(mode).has_colors;
+  const bool has_colors = traits.has_colors;
   for (size_t i = 0; has_colors && i < asked.surfaces.size(); ++i)
     text += (i == 0 ? " --iso " : ",") + surfaceLookText(asked.surfaces[i]);
   if (has_colors && asked.modulate)

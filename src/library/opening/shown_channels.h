@@ -10,6 +10,7 @@
 
 #include "src/base/values/value_counts.h"
 #include "src/base/values/volume_channels.h"
+#include "src/library/drawing/chosen_look.h"
 #include "src/library/requests.h"
 
 namespace sluice {
@@ -61,10 +62,10 @@ LookArguments lookOfChannel(const LookArguments& asked, const ShownChannel& chan
 // such unless a look or its file gives it a colour.
 LookArguments knownLookOfChannel(const LookArguments& asked, const ShownChannel& channel,
                                  const ValueCounts& counts);
-// The options that give the looks of these channels together again; `first_options` are those of
-// the first one, if it looks like a volume of one channel.
+// The options that give the looks of these channels together again. `first`: of the first one,
+// whose options are among them if it looks like a volume of one channel.
 std::string lookOptions(const LookArguments& asked, const std::vector<const ShownChannel*>& shown,
-                        const std::string& first_options, Mode mode);
+                        const ChosenLook& first);
 // "not 3; give one --channel": the end of a message that so many channels are shown. `last`: of
 // them.
 std::string notOne(size_t channels, const ShownChannel& last);
