@@ -400,23 +400,25 @@ class Plans(unittest.TestCase):
             self.assertGreater(plan['cut']['coarse_share'], 0)
 
     def test_of_two_volumes_are_those_of_the_command(self):
-        scan, parts = 'synth:phantom,dims=96x96x96', 'synth:parts,dims=96x96x96'
+        scan, labels = 'synth:phantom,dims=96x96x96', 'synth:parts,dims=96x96x96'
         look = ['over:labels,0.3']
         for combine in ('add', 'blend'):
             with self.subTest(combine):
-                plan = sluice.open(scan, over=parts).plan(size=64, threshold=40, look=look, combine=combine)
-                command = self.command(scan, '--over', parts, '--size', '64', '--threshold', '40', '--look', look[0],
+                plan = sluice.open(scan, over=labels).plan(size=64, threshold=40, look=look, combine=combine)
+                command = self.command(scan, '--over', labels, '--size', '64', '--threshold', '40', '--look', look[0],
                                        '--combine', combine)
                 self.assertEqual([channel['channel'] for channel in plan['channels']], [0, 'over'])
                 for own, other in zip([plan, *plan['channels']], [command, *command['channels']]):
                     self.assertEqual(set(own), set(other) - {'command', 'options', 'volume', 'transfer'})
-                    for key in ('blocks', 'algorithms', 'clusters'):
-                        self.assertEqual(own[key], other[key], key)
+                    # The package opens volumes for lit pictures, whose blocks have wider borders.
+                    self.assertEqual(own['blocks'], other['blocks'])
                     self.assertEqual(own['read']['blocks'], other['read']['blocks'])
-                for key in ('blocks', 'read', 'most_read'):
-                    for name, value in plan[key].items():
-                        self.assertEqual(value, sum(channel[key][name] for channel in plan['channels']), key)
-                renderer = sluice.Renderer(sluice.open(scan, over=parts), device='cpu')
+                parts = [plan, *plan['channels']]
+                for of in [[part[key] for part in parts] for key in ('blocks', 'read', 'most_read')] + [
+                        [part['algorithms'][way] for part in parts] for way in plan['algorithms']]:
+                    for name, value in of[0].items():
+                        self.assertEqual(value, of[1][name] + of[2][name], name)
+                renderer = sluice.Renderer(sluice.open(scan, over=labels), device='cpu')
                 options = dict(size=64, threshold=40, look=look, combine=combine)
                 plan = renderer.plan(**options)
                 renderer.render(**options)

@@ -208,13 +208,13 @@ AlgorithmCosts algorithmCosts(const IndexedVolume& volume, const PlannedBlocks& 
   return costs;
 }
 
-void requireRoomToPlan(const IndexedVolume& volume, uint64_t others_bytes,
+void requireRoomToPlan(const IndexedVolume& volume, const PageGeometry& page, uint64_t others_bytes,
                        const FrameOptions& frame, const MachineOptions& machine,
                        TexelPlace texels) {
   if (others_bytes <= memoryBudget(machine)) return;
   const BesideShare share =
       besideShare(volume, machine, frame.partition, pictureDemand(machine, frame), others_bytes);
-  shareMemory(memoryBudget(machine), volume.page, texels,
+  shareMemory(memoryBudget(machine), page, texels,
               sessionNeeds(volume, frame.partition, share.beside_bytes), 1);
 }
 

@@ -93,9 +93,8 @@ struct Forecast {
 std::optional<StoredReads> storedReadsOfLevel(VolumeSource& source, int64_t time, int level);
 
 // Throws Error, as the session of such a picture does, when the memory has no room for its plan and
-// the rest of `others_bytes` (see othersBytes()). `volume.page`: with as many pages as the picture
-// has.
-void requireRoomToPlan(const IndexedVolume& volume, uint64_t others_bytes,
+// the rest of `others_bytes` (see othersBytes()). `page`: with as many pages as the picture has.
+void requireRoomToPlan(const IndexedVolume& volume, const PageGeometry& page, uint64_t others_bytes,
                        const FrameOptions& frame, const MachineOptions& machine, TexelPlace texels);
 
 struct ForecastInputs {

@@ -13,7 +13,8 @@ PlannedPart partOf(const ChannelShare& share) {
 void requireRoomToPlan(const std::vector<ChannelShare>& shares, TexelPlace texels) {
   try {
     for (const ChannelShare& share : shares)
-      requireRoomToPlan(*share.look.volume, share.others_bytes, share.frame, share.machine, texels);
+      requireRoomToPlan(*share.look.volume, share.page, share.others_bytes, share.frame,
+                        share.machine, texels);
   } catch (const Error& error) {
     failOfShare(error, shares.size());
   }
