@@ -28,6 +28,8 @@ LookArguments lookArguments(const LookOptions& look, bool whole_series);
 // Sets what the look sets, and leaves the rest of the arguments as it is.
 void setLook(const LookOptions& look, LookArguments& arguments);
 Mode modeOf(const LookOptions& look);
+// The look of this mode that sets such arguments.
+LookOptions lookOptionsOf(const LookArguments& arguments, Mode mode);
 
 // `framing`, but not `fit`, is the camera's.
 Camera cameraOf(const ViewOptions& view);

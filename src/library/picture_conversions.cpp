@@ -236,6 +236,40 @@ void setLook(const LookOptions& look, LookArguments& arguments) {
   }
 }
 
+LookOptions lookOptionsOf(const LookArguments& arguments, Mode mode) {
+  LookOptions look;
+  for (const LookOptions::Mode each :
+       {LookOptions::Mode::kComposite, LookOptions::Mode::kMaximum, LookOptions::Mode::kMinimum,
+        LookOptions::Mode::kAverage, LookOptions::Mode::kAttenuatedMaximum,
+        LookOptions::Mode::kDepthMaximum})
+    if (LookOptions of{.mode = each}; modeOf(of) == mode) look.mode = each;
+  look.threshold = arguments.threshold;
+  look.opacity = arguments.opacity;
+  look.transfer_file = arguments.transfer_file;
+  look.map = arguments.map;
+  for (const OpacityPoint& point : arguments.opacities)
+    look.opacities.push_back({point.value, point.opacity});
+  look.labels = arguments.labels;
+  look.label_table = arguments.label_table;
+  for (const LabelLook& label : arguments.label_looks)
+    look.label_looks.push_back({label.first, label.last, label.color, label.opacity});
+  const auto rangeOf = [](const std::optional<ValueRange>& range) {
+    return range ? std::optional(std::array{range->lo, range->hi}) : std::nullopt;
+  };
+  look.range = rangeOf(arguments.range);
+  for (const ChannelLook& channel : arguments.channels)
+    look.channels.push_back(
+        {channel.channel, channel.map, rangeOf(channel.range), channel.opacity});
+  if (arguments.combine == Combine::kBlend) look.combine = LookOptions::Combine::kBlend;
+  for (const SurfaceLook& surface : arguments.surfaces)
+    look.surfaces.push_back({surface.value, surface.opacity, surface.color});
+  look.attenuation = arguments.attenuation;
+  if (arguments.shade) look.light = LookOptions::Light::kOn;
+  if (arguments.no_shade) look.light = LookOptions::Light::kOff;
+  if (arguments.modulate) look.full_gradient = arguments.full_gradient;
+  return look;
+}
+
 Camera cameraOf(const ViewOptions& view) {
   Camera camera;
   camera.view = viewName(view.from);

@@ -255,7 +255,7 @@ TEST_F(Channels, printedLookMakesThePictureAgain) {
       "render cells.ome.zarr --force -o b.png --background 000000 --size 200x160 --fit volume "
       "--look 2:orange,600:4000 --channel 2,0,1");
   const std::string look = report["look"]["options"];
-  EXPECT_THAT(look, StartsWith("--channel 2,0,1 --look 2:orange,600:4000,0.05 --look 0:00ffff"));
+  EXPECT_THAT(look, StartsWith("--channel 2,0,1 --look=2:orange,600:4000,0.05 --look=0:00ffff"));
   render("cells.ome.tif -o b.png --background 000000 " + look);
   EXPECT_LE(difference("sum a.png b.png"), 0);
 }

@@ -103,7 +103,7 @@ TEST_F(Over, isBlendedOnOneGrid) {
 TEST_F(Over, labelsHaveTheirColours) {
   // Automatically, by a look, and by a table.
   const std::string common = "spot.nrrd --opacities 250:0,255:0 --over labels.nrrd --view left ";
-  EXPECT_THAT(render(common + "-o found.png"), HasSubstr("--look over:"));
+  EXPECT_THAT(render(common + "-o found.png"), HasSubstr("--look=over:"));
   render(common + "--look over:labels -o asked.png");
   EXPECT_LE(difference("found.png", "asked.png"), 0);
   render(common + "--look over:table.txt,1 -o table.png");

@@ -15,9 +15,11 @@
 #include "src/classify/transfer/automatic_look.h"
 #include "src/classify/transfer/color_maps.h"
 #include "src/classify/transfer/transfer_makers.h"
+#include "src/library/conversions.h"
 #include "src/library/drawing/shared_world.h"
 #include "src/library/opening/checked_source.h"
 #include "src/library/opening/indexed_volume.h"
+#include "src/options/option_words.h"
 
 namespace sluice {
 namespace {
@@ -249,8 +251,8 @@ LookArguments knownLookOfChannel(const LookArguments& asked, const ShownChannel&
 
 namespace {
 
-// " --look 0:green,400:3000".
-std::string lookOption(const LookArguments& asked, const ShownChannel& channel) {
+// The look that gives the channel's again: "0:green,400:3000".
+ChannelLook wholeLook(const LookArguments& asked, const ShownChannel& channel) {
   const LookArguments look = lookOfChannel(asked, channel);
   ChannelLook own{.channel = channel.id(), .map = look.map};
   // Labels of all channels have options of their own.
@@ -260,7 +262,23 @@ std::string lookOption(const LookArguments& asked, const ShownChannel& channel) 
   own.opacity = look.opacity;
   if (look.range && !look.labels && !hasOpacities(channel.is_over ? LookArguments() : asked))
     own.opacity = look.opacity.value_or(kDefaultOpacity);
-  return " --look " + shellWord(channelLookText(own));
+  return own;
+}
+
+// The options of these looks, by the table of options, with a blank in front of each. `asked`: of
+// all channels, but for the parts that the looks of the channels say.
+std::string optionsOf(LookArguments asked, std::vector<ChannelLook> looks, Mode mode) {
+  asked.map.clear();
+  asked.range.reset();
+  asked.opacity.reset();
+  asked.no_shade = false;
+  if (!traitsOf(mode).has_colors) asked.surfaces.clear();
+  asked.channels = std::move(looks);
+  ViewState state;
+  state.look = lookOptionsOf(asked, mode);
+  return optionsText(optionWords(state, [](const OptionEntry& entry) {
+    return entry.part == OptionPart::kLook && entry.option != "--mode";
+  }));
 }
 
 // The options of a volume that another one lies over. --shade would light that one, too, so it is
@@ -273,38 +291,23 @@ std::string belowAnother(const ChosenLook& look, const LookArguments& asked) {
 
 std::string lookOptions(const LookArguments& asked, const std::vector<const ShownChannel*>& shown,
                         const ChosenLook& first_look) {
-  std::string channels, looks;
+  std::string channels;
+  std::vector<ChannelLook> looks;
   for (const ShownChannel* channel : shown) {
     const bool is_plain = channel->is_alone && ownLook(asked, *channel) == nullptr;
-    if (!is_plain) looks += lookOption(asked, *channel);
+    if (!is_plain) looks.push_back(wholeLook(asked, *channel));
     if (!channel->is_over) channels += (channels.empty() ? "" : ",") + channel->id();
   }
-  const std::string combine = asked.combine == Combine::kBlend ? " --combine blend" : "";
   const ShownChannel& first = *shown.front();
-  if (first.is_alone && ownLook(asked, first) == nullptr)
-    return belowAnother(first_look, asked) + looks + combine;
-  // A volume's only channel needs no name, and may have none.
-  std::string text = (first.is_alone ? "" : "--channel " + channels) + combine;
-  if (asked.threshold) text += fmt::format(" --threshold {}", *asked.threshold);
-  if (!asked.transfer_file.empty()) text += " --transfer " + shellWord(asked.transfer_file);
-  if (asked.labels) text += " --labels";
-  if (!asked.label_table.empty()) text += " --labels-table " + shellWord(asked.label_table);
-  for (const LabelLook& look : asked.label_looks)
-    text += " --label " + shellWord(labelLookText(look));
-  for (size_t i = 0; i < asked.opacities.size(); ++i)
-    text += fmt::format("{}{}:{}", i == 0 ? " --opacities " : ",", asked.opacities[i].value,
-                        asked.opacities[i].opacity);
-  text += looks;
+  if (first.is_alone && ownLook(asked, first) == nullptr) {
+    LookArguments others;
+    others.combine = asked.combine;
+    return belowAnother(first_look, asked) + optionsOf(others, std::move(looks), Mode::kComposite);
+  }
+  std::string text = optionsOf(asked, std::move(looks), first_look.mode);
   if (asked.this_step) text += " --this-step";
-  const ModeTraits& traits = traitsOf(first_look.mode);
-  if (traits.combining == Combining::kAttenuated)
-    text += fmt::format(" --attenuation {}", asked.attenuation);
-  const bool has_colors = traits.has_colors;
-  for (size_t i = 0; has_colors && i < asked.surfaces.size(); ++i)
-    text += (i == 0 ? " --iso " : ",") + surfaceLookText(asked.surfaces[i]);
-  if (has_colors && asked.modulate)
-    text += fmt::format(" --modulate --full-gradient {}", asked.full_gradient);
-  if (has_colors && asked.shade) text += " --shade";
+  // A volume's only channel needs no name, and may have none.
+  if (!first.is_alone) return "--channel " + channels + text;
   return text.starts_with(' ') ? text.substr(1) : text;
 }
 
