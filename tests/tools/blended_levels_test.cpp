@@ -58,15 +58,20 @@ TEST_F(BlendedLevels, aPlanIsThatOfThePicture) {
 // numbers a texel, a channel shows nothing, or all blocks are loaded.
 TEST_F(BlendedLevels, aSimulatedTurnIsThatOfThePicture) {
   for (const char* options :
-       {"--pixel-error 1", "--pixel-error 3 --zoom 3 --projection perspective --pages 2048",
-        "--level 1", "--combine add --pixel-error 2", "--pixel-error 2 --look 0:red,254:255",
-        "--pixel-error 1 --algorithm conventional --pages 4096"}) {
+       {"--pixel-error 1", "--level 1", "--combine add --pixel-error 2",
+        "--pixel-error 2 --look 0:red,254:255",
+        // The clusters of both channels together differ from those of each.
+        "--pixel-error 3 --zoom 3 --projection perspective --page 32x32x4 --pages 512",
+        "--pixel-error 1 --page 32x32x4 --pages 256",
+        "--pixel-error 1 --algorithm conventional --page 32x32x4 --pages 512",
+        // Half of the memory holds fewer pages.
+        "--level 0 --memory 40M --combine add", "--pixel-error 0.5 --memory 50M"}) {
     SCOPED_TRACE(options);
-    const std::string command =
-        fmt::format("{}--frames 3 --force {} ", kPair, options) +
-        (std::string_view(options).starts_with("--combine") ? "" : "--combine blend ");
-    const auto report = program_.json("render" + command + "--trace t.bin -o a.png")["channels"];
-    const auto simulated = program_.json("simulate" + command + "--policies lru --export p.bin");
+    const bool adds = std::string_view(options).find("--combine") != std::string_view::npos;
+    const std::string command = fmt::format("{}--frames 3 --threads 2 --force {} {}", kPair,
+                                            options, adds ? "" : "--combine blend ");
+    const auto report = program_.json("render" + command + " --trace t.bin -o a.png")["channels"];
+    const auto simulated = program_.json("simulate" + command + " --policies lru --export p.bin");
     ASSERT_EQ(report.size(), 2);
     for (size_t c = 0; c < 2; ++c) {
       const auto& cache = report[c]["levels"]["texture_cache"];
