@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <atomic>
 #include <new>
+#include <span>
 #include <utility>
+
+#include "src/base/memory/large_pages.h"
 
 namespace sluice {
 
@@ -20,6 +23,9 @@ ObjectBoxes::ObjectBoxes(std::shared_ptr<const SliceRanges> ranges, const Opacit
       boxes_(static_cast<PackedBox*>(
           std::calloc(static_cast<size_t>(layout().blockCount()), sizeof(PackedBox)))) {
   if (boxes_ == nullptr) throw std::bad_alloc();
+  // The few boxes that are asked for lie far apart: each would cost a small page of its own.
+  preferLargePages(
+      std::as_writable_bytes(std::span(boxes_.get(), static_cast<size_t>(layout().blockCount()))));
 }
 
 Box3 ObjectBoxes::shownCells(int64_t block, const Box3& owned) const {

@@ -71,8 +71,7 @@ class ObjectBoxes {
   const Box3 crop_;
   const AnyClassifier classifier_;
   const bool shows_background_;
-  // A box for each block of the grid, in zeroed memory that the system gives as it is touched: most
-  // of it never is.
+  // A box for each block of the grid, in zeroed memory that the system gives as it is touched.
   const std::unique_ptr<PackedBox[], Free> boxes_;
 };
 

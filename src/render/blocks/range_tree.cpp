@@ -1,6 +1,7 @@
 #include "src/render/blocks/range_tree.h"
 
 #include <algorithm>
+#include <span>
 
 namespace sluice {
 namespace {
@@ -13,40 +14,53 @@ void widen(RangeTree::Node& node, const RangeTree::Node& by) {
   node.hi = is_first ? by.hi : std::max(node.hi, by.hi);
 }
 
-// The finest level's blocks, a row of them along x at a time: that needs one search in the list of
-// those that are held.
+// Widens the nodes of one row along x by a row of finest blocks, with one search in the list of the
+// blocks that are held.
 template <class T>
-class FinestRows {
- public:
-  explicit FinestRows(const SliceRanges& ranges) : ranges_(ranges), totals_(ranges.totalsAs<T>()) {}
-
-  // The blocks from `lo` to `hi` along x of a row.
-  RangeTree::Node of(int64_t lo, int64_t hi, int64_t y, int64_t z) const {
-    RangeTree::Node node;
-    const int64_t first = ranges_.layout.idOf({lo, y, z}), end = first + hi - lo;
-    const auto& held = ranges_.blocks;
-    auto at = std::ranges::lower_bound(held, first);
-    int64_t known = 0;
-    for (; at != held.end() && *at < end; ++at, ++known) {
-      const PlaneRange<T>& total = totals_[static_cast<size_t>(at - held.begin())];
-      widen(node, {static_cast<float>(total.lo), static_cast<float>(total.hi), false});
-    }
-    for (int64_t block = first; known < hi - lo && block < end; ++block) {
-      if (std::ranges::binary_search(held, block)) continue;
-      ++known;
-      const auto background = static_cast<float>(ranges_.background);
-      if (ranges_.isKnown(block))
-        widen(node, {background, background, false});
-      else
+void widenRow(std::span<RangeTree::Node> nodes, int64_t blocks_a_node, const SliceRanges& ranges,
+              int64_t first_block) {
+  const std::span<const PlaneRange<T>> totals = ranges.totalsAs<T>();
+  const auto background = static_cast<float>(ranges.background);
+  const int64_t end = first_block + ranges.layout.grid.x;
+  auto held = std::ranges::lower_bound(ranges.blocks, first_block);
+  auto unknown = std::ranges::lower_bound(ranges.unknown, first_block);
+  int64_t block = first_block;
+  for (RangeTree::Node& node : nodes) {
+    // The last one has the rest of the row.
+    const bool is_last = &node == &nodes.back();
+    for (const int64_t end_of_node = is_last ? end : std::min(end, block + blocks_a_node);
+         block < end_of_node; ++block) {
+      if (held != ranges.blocks.end() && *held == block) {
+        const PlaneRange<T>& total = totals[static_cast<size_t>(held - ranges.blocks.begin())];
+        widen(node, {static_cast<float>(total.lo), static_cast<float>(total.hi), false});
+        ++held;
+      } else if (unknown != ranges.unknown.end() && *unknown == block) {
         node.has_unknown = true;
+        ++unknown;
+      } else {
+        widen(node, {background, background, false});
+      }
     }
-    return node;
   }
+}
 
- private:
-  const SliceRanges& ranges_;
-  const std::span<const PlaneRange<T>> totals_;
-};
+// The nodes of the level above the finest one, on all threads of the pool.
+template <class T>
+std::vector<RangeTree::Node> firstLevelOf(const SliceRanges& finest, const PyramidLayout& pyramid,
+                                          WorkerPool& pool) {
+  const Vec3i grid = pyramid.level(1).blocks.grid;
+  const int64_t blocks_a_node = pyramid.level(1).width.x / pyramid.level(0).width.x;
+  std::vector<RangeTree::Node> nodes(static_cast<size_t>(volume(grid)));
+  pool.parallelFor(grid.z * grid.y, [&](int64_t row) {
+    const auto of_row =
+        std::span(nodes).subspan(static_cast<size_t>(row * grid.x), static_cast<size_t>(grid.x));
+    const Box3 children = pyramid.childrenOf(1, {0, row % grid.y, row / grid.y});
+    for (int64_t z = children.lo.z; z < children.hi.z; ++z)
+      for (int64_t y = children.lo.y; y < children.hi.y; ++y)
+        widenRow<T>(of_row, blocks_a_node, finest, finest.layout.idOf({0, y, z}));
+  });
+  return nodes;
+}
 
 // All nodes of a level, on all threads of the pool.
 template <class Of>
@@ -68,14 +82,7 @@ std::vector<RangeTree::Node> levelOf(const PyramidLayout& pyramid, int level, Wo
 RangeTree::RangeTree(const SliceRanges& finest, const PyramidLayout& pyramid, WorkerPool& pool) {
   if (pyramid.levels() < 2) return;
   levels_.push_back(visitDeviceType(finest.map.type, [&](auto tag) {
-    const FinestRows<decltype(tag)> rows(finest);
-    return levelOf(pyramid, 1, pool, [&](const Box3& children) {
-      Node node;
-      for (int64_t z = children.lo.z; z < children.hi.z; ++z)
-        for (int64_t y = children.lo.y; y < children.hi.y; ++y)
-          widen(node, rows.of(children.lo.x, children.hi.x, y, z));
-      return node;
-    });
+    return firstLevelOf<decltype(tag)>(finest, pyramid, pool);
   }));
   for (int level = 2; level < pyramid.levels(); ++level)
     levels_.push_back(levelOf(pyramid, level, pool, [&](const Box3& children) {

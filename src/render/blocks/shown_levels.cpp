@@ -129,24 +129,56 @@ ShownLevels::Shown ShownLevels::shownBelow(int level, Vec3i index) {
 const Box3& ShownLevels::hullOf(int level, Vec3i index) {
   const int64_t block = pyramid_.level(level).blocks.idOf(index);
   const auto [at, is_new] = levels_[static_cast<size_t>(level)].hulls.try_emplace(block);
-  if (is_new) addHull(level, index, at->second);
-  return at->second;
+  Box3& hull = at->second;
+  if (!is_new) return hull;
+  for (int axis = 0; axis < 3; ++axis)
+    for (const Face face : {Face::kLow, Face::kHigh}) {
+      reachFace(level, index, axis, face, hull);
+      if (hull.empty()) return hull;  // nothing shows
+    }
+  return hull;
 }
 
-// Parts that lie within the hull so far add nothing: the inside of a body is never looked at.
-void ShownLevels::addHull(int level, Vec3i index, Box3& hull) {
-  const Box3 region = cropped(level, index);
-  if (region.empty() || hull.contains(region)) return;
-  if (level == 0) {
-    const Box3 cells = boxesOf(0)->of(index);
-    if (!cells.empty()) hull = unite(hull, cells);
-    return;
+// Of the parts that reach beyond the hull so far, the one that reaches farthest is looked at first,
+// and the search ends when none is left. So few blocks of a surface are ever looked at, and the
+// inside of a body never is.
+void ShownLevels::reachFace(int level, Vec3i index, int axis, Face face, Box3& hull) {
+  struct Part {
+    int64_t reach = 0;  // how far its region reaches towards the face
+    int level = 0;
+    Vec3i index;
+    // The first to be looked at is the greatest: of equals the finest, which tells most.
+    bool operator<(const Part& other) const {
+      return reach != other.reach ? reach < other.reach : level > other.level;
+    }
+  };
+  const auto reachOf = [&](const Box3& box) {
+    return face == Face::kLow ? -box.lo[axis] : box.hi[axis];
+  };
+  const auto isBeyond = [&](int64_t reach) { return hull.empty() || reach > reachOf(hull); };
+  // Those of which something may show, or whose region shows in part.
+  std::vector<Part> parts;
+  const auto add = [&](int of_level, Vec3i at) {
+    const Box3 region = cropped(of_level, at);
+    const int64_t reach = reachOf(region);
+    if (region.empty() || !isBeyond(reach)) return;
+    const Shown shown = of_level == 0 ? Shown::kSomething : shownBelow(of_level, at);
+    if (shown == Shown::kEverything) hull = unite(hull, region);
+    if (shown != Shown::kSomething) return;
+    parts.push_back({reach, of_level, at});
+    std::push_heap(parts.begin(), parts.end());
+  };
+  add(level, index);
+  while (!parts.empty() && isBeyond(parts.front().reach)) {
+    std::pop_heap(parts.begin(), parts.end());
+    const Part part = parts.back();
+    parts.pop_back();
+    if (part.level == 0)
+      hull = unite(hull, boxesOf(0)->of(part.index));
+    else
+      visitIndices(pyramid_.childrenOf(part.level, part.index),
+                   [&](Vec3i child) { add(part.level - 1, child); });
   }
-  const Shown shown = shownBelow(level, index);
-  if (shown == Shown::kEverything) hull = unite(hull, region);
-  if (shown != Shown::kSomething) return;
-  visitIndices(pyramid_.childrenOf(level, index),
-               [&](Vec3i child) { addHull(level - 1, child, hull); });
 }
 
 int64_t ShownLevels::cellsBelow(int level, Vec3i index) {

@@ -66,7 +66,10 @@ class ShownLevels {
   Shown shownBelow(int level, Vec3i index);
   // The hull of the finest level's object boxes in the region of a block, in finest cells.
   const Box3& hullOf(int level, Vec3i index);
-  void addHull(int level, Vec3i index, Box3& hull);
+  // Widens a hull by parts of the block's region, so that it reaches as far along the axis as what
+  // the finest level shows there.
+  enum class Face { kLow, kHigh };
+  void reachFace(int level, Vec3i index, int axis, Face face, Box3& hull);
   int64_t cellsBelow(int level, Vec3i index);
   bool hasThinner(int level, Vec3i index, const Vec3d& least);
   Vec3i leastExtentOfWhole(int level, Vec3i index) const;
