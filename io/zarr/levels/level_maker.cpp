@@ -9,6 +9,7 @@
 #include "io/zarr/levels/narrow_means.h"
 #include "io/zarr/reading/zarr_rows.h"
 #include "src/base/error.h"
+#include "src/base/memory/large_pages.h"
 
 namespace sluice {
 namespace {
@@ -16,6 +17,14 @@ namespace {
 uint64_t layerBytes(const LevelShape& level, int64_t chunk_voxels, size_t voxel) {
   return static_cast<uint64_t>(level.dims.x * level.dims.y * std::min(chunk_voxels, level.dims.z)) *
          voxel;
+}
+
+// Not set to anything. A layer of a level is tens of megabytes, filled once and read in short rows
+// that lie far apart.
+AlignedArray<std::byte> roomFor(uint64_t bytes) {
+  AlignedArray<std::byte> room = alignedForOverwrite<std::byte>(bytes);
+  preferLargePages({room.get(), bytes});
+  return room;
 }
 
 std::vector<Vec3i> stepsOf(std::span<const LevelShape> levels) {
@@ -46,11 +55,10 @@ LevelMaker::LevelMaker(const VolumeLayout& layout, int64_t chunk_voxels,
   for (size_t i = 0; i < levels_.size(); ++i) {
     const LevelShape& level = levels_[i];
     for (int a = 0; a < 3; ++a) SLUICE_CHECK_EQ(chunk_voxels % level.step[a], 0);
-    layers_[i].voxels =
-        alignedForOverwrite<std::byte>(layerBytes(level, chunk_voxels, fill_.size()));
+    layers_[i].voxels = roomFor(layerBytes(level, chunk_voxels, fill_.size()));
     if (keepsSpreads(how))
-      layers_[i].spreads = alignedForOverwrite<std::byte>(
-          layerBytes(level, chunk_voxels, bytesPerVoxel(spreadType(type_))));
+      layers_[i].spreads =
+          roomFor(layerBytes(level, chunk_voxels, bytesPerVoxel(spreadType(type_))));
     layers_[i].came.resize(static_cast<size_t>(volume(cubesOf(i))));
   }
 }
