@@ -30,8 +30,9 @@ void failLargeWrites() {
 
 int main(int argc, char** argv) {
   // Blocks and chunks go back to the system when they are freed: --memory bounds the memory that
-  // the process takes, not what its allocator keeps.
-  constexpr int kMapFromBytes = 128 << 10;
+  // the process takes, not what its allocator keeps. Blosc takes a little more than 128 KiB for
+  // each chunk that it packs, which would be mapped anew a thousand times.
+  constexpr int kMapFromBytes = 160 << 10;
   mallopt(M_MMAP_THRESHOLD, kMapFromBytes);
   // Except for the total of a frame's small pieces, which the next frame needs again.
   constexpr int kKeptBytes = 8 << 20;

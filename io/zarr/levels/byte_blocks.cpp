@@ -117,10 +117,9 @@ struct BlockNumbers {
   return x;
 }
 
-// Eight numbers below 2^31 as doubles.
-[[gnu::target("avx2")]] inline void store(__m256i numbers, double* to) {
-  _mm256_storeu_pd(to, _mm256_cvtepi32_pd(_mm256_castsi256_si128(numbers)));
-  _mm256_storeu_pd(to + 4, _mm256_cvtepi32_pd(_mm256_extracti128_si256(numbers, 1)));
+// Eight numbers.
+[[gnu::target("avx2")]] inline void store(__m256i numbers, int32_t* to) {
+  _mm256_storeu_si256(reinterpret_cast<__m256i*>(to), numbers);
 }
 
 // Eight numbers below 256 as bytes.

@@ -26,8 +26,8 @@ int64_t makeByteBlocks(const std::array<const uint8_t*, 4>& rows, int64_t blocks
 struct TwoLevelsOfBytes {
   std::array<uint8_t*, 4> means, spreads;  // the finer level's rows, in the order of `rows`
   // The coarser level's row.
-  double* coarser_sums = nullptr;
-  double* coarser_squares = nullptr;
+  int32_t* coarser_sums = nullptr;
+  int32_t* coarser_squares = nullptr;
   uint8_t* coarser_means = nullptr;
   uint8_t* coarser_spreads = nullptr;
 };

@@ -19,14 +19,6 @@ uint64_t layerBytes(const LevelShape& level, int64_t chunk_voxels, size_t voxel)
          voxel;
 }
 
-// Not set to anything. A layer of a level is tens of megabytes, filled once and read in short rows
-// that lie far apart.
-AlignedArray<std::byte> roomFor(uint64_t bytes) {
-  AlignedArray<std::byte> room = alignedForOverwrite<std::byte>(bytes);
-  preferLargePages({room.get(), bytes});
-  return room;
-}
-
 std::vector<Vec3i> stepsOf(std::span<const LevelShape> levels) {
   std::vector<Vec3i> steps;
   for (const LevelShape& level : levels) steps.push_back(level.step);
@@ -52,13 +44,24 @@ LevelMaker::LevelMaker(const VolumeLayout& layout, int64_t chunk_voxels,
       how_(how),
       fill_(fill.begin(), fill.end()),
       layers_(levels_.size()) {
+  const size_t spread = keepsSpreads(how) ? bytesPerVoxel(spreadType(type_)) : 0;
+  const auto inLines = [&](const LevelShape& level, size_t voxel) {
+    const auto line = static_cast<uint64_t>(kArrayAlignment);
+    return (layerBytes(level, chunk_voxels, voxel) + line - 1) / line * line;
+  };
+  uint64_t bytes = 0;
+  for (const LevelShape& level : levels_)
+    bytes += inLines(level, fill_.size()) + inLines(level, spread);
+  room_ = alignedForOverwrite<std::byte>(bytes);
+  preferLargePages({room_.get(), bytes});
+  std::byte* next = room_.get();
   for (size_t i = 0; i < levels_.size(); ++i) {
     const LevelShape& level = levels_[i];
     for (int a = 0; a < 3; ++a) SLUICE_CHECK_EQ(chunk_voxels % level.step[a], 0);
-    layers_[i].voxels = roomFor(layerBytes(level, chunk_voxels, fill_.size()));
-    if (keepsSpreads(how))
-      layers_[i].spreads =
-          roomFor(layerBytes(level, chunk_voxels, bytesPerVoxel(spreadType(type_))));
+    layers_[i].voxels = next;
+    next += inLines(level, fill_.size());
+    if (spread > 0) layers_[i].spreads = next;
+    next += inLines(level, spread);
     layers_[i].came.resize(static_cast<size_t>(volume(cubesOf(i))));
   }
 }
@@ -126,8 +129,8 @@ void LevelMaker::fillPlaceOf(size_t level, Vec3i cube) {
     for (int64_t y = place.lo.y; y < place.hi.y; ++y) {
       const auto at = static_cast<size_t>((z * shape.dims.y + y) * shape.dims.x + place.lo.x);
       const auto count = static_cast<size_t>(place.size().x);
-      fillRow(fill_, layer.voxels.get() + at * fill_.size(), place.size().x);
-      if (spread > 0) std::memset(layer.spreads.get() + at * spread, 0, count * spread);
+      fillRow(fill_, layer.voxels + at * fill_.size(), place.size().x);
+      if (spread > 0) std::memset(layer.spreads + at * spread, 0, count * spread);
     }
 }
 
@@ -158,9 +161,8 @@ void LevelMaker::addOf(const Box3& box, const T* voxels, int64_t row_stride, int
     const Vec3i first = box.lo / level.step - layerAt(i, box.lo.z).lo, count = cubesOf(i);
     const int64_t plane = level.dims.x * level.dims.y;
     const auto at = static_cast<size_t>(first.z * plane + first.y * level.dims.x + first.x);
-    LevelPart part{level.step, layers_[i].voxels.get() + at * sizeof(T), nullptr, level.dims.x,
-                   plane};
-    if (keepsSpreads(how_)) part.spreads = layers_[i].spreads.get() + at * sizeof(SpreadOf<T>);
+    LevelPart part{level.step, layers_[i].voxels + at * sizeof(T), nullptr, level.dims.x, plane};
+    if (keepsSpreads(how_)) part.spreads = layers_[i].spreads + at * sizeof(SpreadOf<T>);
     parts.push_back(part);
     const auto came =
         layers_[i].came.begin() + ((cube.z % count.z) * count.y + cube.y) * count.x + cube.x;

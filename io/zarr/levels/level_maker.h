@@ -54,14 +54,15 @@ class LevelMaker {
   // spread, and the next cubes begin the next layer.
   void endLayer(size_t level);
   // The voxels of the layer that has ended, x fastest, packed.
-  const std::byte* layerVoxels(size_t level) const { return layers_[level].voxels.get(); }
+  const std::byte* layerVoxels(size_t level) const { return layers_[level].voxels; }
   // Their spreads, in the same order. Requires: keepsSpreads().
-  const std::byte* layerSpreads(size_t level) const { return layers_[level].spreads.get(); }
+  const std::byte* layerSpreads(size_t level) const { return layers_[level].spreads; }
 
  private:
   struct Layer {
-    AlignedArray<std::byte> voxels, spreads;  // not set to anything before its cubes come
-    std::vector<char> came;                   // for each cube of the layer, x fastest
+    std::byte* voxels = nullptr;   // in room_
+    std::byte* spreads = nullptr;  // the same; null: no spreads are kept
+    std::vector<char> came;        // for each cube of the layer, x fastest
   };
 
   template <class T>
@@ -76,6 +77,9 @@ class LevelMaker {
   const std::vector<LevelShape> levels_;
   const Downsample how_;
   const std::vector<std::byte> fill_;
+  // The voxels and spreads of all layers, not set to anything before their cubes come. Large pages:
+  // they are filled once, and read in short rows that lie far apart.
+  AlignedArray<std::byte> room_;
   std::vector<Layer> layers_;  // of each level; threads write to places of their own
   // Passed on from cube to cube: fresh memory costs as much as the work done in it.
   struct Scratch;

@@ -83,6 +83,9 @@ using Planes = std::array<Plane<Sum, Square>, 2>;
 // Squares of a block of the first level: eight of 8 bits, or eight of 16 bits.
 template <class T>
 using FirstSquare = std::conditional_t<sizeof(T) == 1, int32_t, uint64_t>;
+// Sums and squares of a block of the second level: of 64 voxels. Those of 8 bits are below 2^23.
+template <class T>
+using SecondNumber = std::conditional_t<sizeof(T) == 1, int32_t, double>;
 
 template <class T>
 class Pass {
@@ -105,7 +108,8 @@ class Pass {
       for (auto& plane : planes) take(plane.squares, level);
       for (auto& plane : planes) take(plane.sums, level);
     };
-    for (size_t level = levels.size() - 1; level > 0; --level) takePlanes(coarser_[level], level);
+    for (size_t level = levels.size() - 1; level > 1; --level) takePlanes(coarser_[level], level);
+    if (levels.size() > 1) takePlanes(second_, 1);
     takePlanes(first_, 0);
   }
 
@@ -149,7 +153,8 @@ class Pass {
             return static_cast<FirstSquare<T>>(square);
           },
           squares, made);
-      finishRow(0, y, z, sums, squares, made);
+      // Eight values of 8 bits: all products are below 2^24.
+      finishRow<std::conditional_t<sizeof(T) == 1, float, double>>(0, y, z, sums, squares, made);
     }
   }
 
@@ -188,10 +193,11 @@ class Pass {
                             (2 * pz + static_cast<int64_t>(i / 2)) * cube_.plane_stride +
                             (2 * py + static_cast<int64_t>(i % 2)) * cube_.row_stride;
     }
-    const Plane<double, double>& plane = coarser_[1][static_cast<size_t>(z % 2)];
+    const auto& plane = second_[static_cast<size_t>(z % 2)];
     const int64_t at = z * coarser.plane_stride + y * coarser.row_stride;
-    to.coarser_sums = plane.sums + y * sizes_[1].x;
-    to.coarser_squares = plane.squares + y * sizes_[1].x;
+    const int64_t row = y * sizes_[1].x;
+    to.coarser_sums = plane.sums + row;
+    to.coarser_squares = plane.squares + row;
     to.coarser_means = reinterpret_cast<uint8_t*>(coarser.voxels) + at;
     to.coarser_spreads = reinterpret_cast<uint8_t*>(coarser.spreads) + at;
     made_of_64_ = makeTwoLevelsOfBytes(rows, cube_.size.x / 4, to);
@@ -204,17 +210,20 @@ class Pass {
       if ((z + 1) % step != 0 && z + 1 < sizes_[level - 1].z) return;
       z /= step;
       if (level == 1)
-        makeCoarser(level, z, first_);
+        makeCoarser(level, z, first_, second_);
+      else if (level == 2)
+        makeCoarser(level, z, second_, coarser_[level]);
       else
-        makeCoarser(level, z, coarser_[level - 1]);
+        makeCoarser(level, z, coarser_[level - 1], coarser_[level]);
     }
   }
 
-  template <class Sum, class Square>
-  void makeCoarser(size_t level, int64_t z, const Planes<Sum, Square>& finer) {
+  template <class Sum, class Square, class Out>
+  void makeCoarser(size_t level, int64_t z, const Planes<Sum, Square>& finer,
+                   const Planes<Out, Out>& coarser) {
     const Vec3i step = levels_[level].step / levels_[level - 1].step;
     const Vec3i finer_size = sizes_[level - 1], size = sizes_[level];
-    const Plane<double, double> to = coarser_[level][static_cast<size_t>(z % 2)];
+    const Plane<Out, Out> to = coarser[static_cast<size_t>(z % 2)];
     const auto same = [](auto number) { return number; };
     for (int64_t y = 0; y < size.y; ++y) {
       const auto sums = rowsOf<Sum>(finer_size, step, y, z, [&](int64_t pz, int64_t py) {
@@ -227,7 +236,7 @@ class Pass {
       if (level == 1 && std::is_same_v<T, uint8_t> && hasBlocksOf64(y, z)) made = made_of_64_;
       addRows<Sum>(sums, finer_size.x, step.x, same, to.sums + y * size.x, made);
       addRows<Square>(squares, finer_size.x, step.x, same, to.squares + y * size.x, made);
-      finishRow(level, y, z, to.sums + y * size.x, to.squares + y * size.x, made);
+      finishRow<double>(level, y, z, to.sums + y * size.x, to.squares + y * size.x, made);
     }
   }
 
@@ -241,8 +250,8 @@ class Pass {
     return rows;
   }
 
-  // The first `made` blocks are there already.
-  template <class Sum, class Square>
+  // The first `made` blocks are there already. Real: see finishBlocks().
+  template <class Real, class Sum, class Square>
   void finishRow(size_t level, int64_t y, int64_t z, const Sum* sums, const Square* squares,
                  int64_t made = 0) {
     const LevelPart& part = levels_[level];
@@ -252,8 +261,6 @@ class Pass {
     auto* const spreads = reinterpret_cast<SpreadOf<T>*>(part.spreads) + at;
     const int64_t rows = (std::min((y + 1) * step.y, cube_.size.y) - y * step.y) *
                          (std::min((z + 1) * step.z, cube_.size.z) - z * step.z);
-    // Eight values of 8 bits: all products are below 2^24.
-    using Real = std::conditional_t<std::is_same_v<Square, int32_t>, float, double>;
     int64_t x = made;
     if (const int64_t count = rows * step.x; std::has_single_bit(static_cast<uint64_t>(count))) {
       x = cube_.size.x / step.x;
@@ -273,7 +280,8 @@ class Pass {
   const std::span<const LevelPart> levels_;
   std::vector<Vec3i> sizes_;  // blocks of each level
   Planes<int32_t, FirstSquare<T>> first_;
-  std::vector<Planes<double, double>> coarser_;  // of each level but the first
+  Planes<SecondNumber<T>, SecondNumber<T>> second_;
+  std::vector<Planes<double, double>> coarser_;  // of each level but the first two
   // Blocks of rows that makeTwoLevels() has made, the same of all rows.
   int64_t made_of_64_ = 0;
 };
