@@ -43,7 +43,9 @@ void expectSameLevels(Vec3i size, int64_t least, int64_t most, uint32_t seed) {
   for (T& voxel : voxels) voxel = static_cast<T>(value(random));
   const CubeVoxels<T> cube{size, voxels.data(), size.x, size.x * size.y};
   for (const std::vector<Vec3i>& steps :
-       {std::vector<Vec3i>{{2, 2, 2}, {4, 4, 4}, {8, 8, 8}}, {{2, 2, 1}, {4, 4, 2}}}) {
+       {std::vector<Vec3i>{
+            {2, 2, 2}, {4, 4, 4}, {8, 8, 8}, {16, 16, 16}, {32, 32, 32}, {64, 64, 64}},
+        {{2, 2, 1}, {4, 4, 2}}}) {
     std::vector<std::byte> room;
     const auto narrow = levelsBy(
         cube, steps, [&](std::span<const LevelPart> parts) { narrowMeans(cube, parts, room); });
@@ -72,6 +74,15 @@ TEST(NarrowMeans, roundTiesToTheEvenNumber) {
 TEST(NarrowMeans, ofOneValueAreThatValue) {
   for (const int64_t value : {0, 1, 200, 255})
     expectSameLevels<uint8_t>({130, 10, 9}, value, value, 1);
+}
+
+// Sums and squares of a whole cube of the greatest values fit the numbers that hold them.
+TEST(NarrowMeans, ofTheGreatestValuesAreExact) {
+  expectSameLevels<uint8_t>({64, 64, 64}, 255, 255, 1);
+  expectSameLevels<uint8_t>({64, 64, 64}, 254, 255, 2);
+  expectSameLevels<int8_t>({64, 64, 64}, -128, -127, 3);
+  expectSameLevels<uint16_t>({64, 64, 64}, 65534, 65535, 4);
+  expectSameLevels<int16_t>({64, 64, 64}, -32768, -32767, 5);
 }
 
 TEST(NarrowMeans, holdTheGreatestSpread) {
