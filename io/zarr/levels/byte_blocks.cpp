@@ -2,6 +2,8 @@
 
 #include <cstring>
 
+#include "src/base/wide_vectors.h"
+
 #if defined(__x86_64__)
 #include <immintrin.h>
 #endif
@@ -206,20 +208,15 @@ struct BlockNumbers {
   return x;
 }
 
-bool hasAvx2() {
-  static const bool has = __builtin_cpu_supports("avx2") != 0;
-  return has;
-}
-
 }  // namespace
 
 int64_t makeByteBlocks(const std::array<const uint8_t*, 4>& rows, int64_t blocks,
                        const ByteBlocks& to) {
-  return hasAvx2() ? makeWide(rows, blocks, to) : 0;
+  return internal::hasWideVectors() ? makeWide(rows, blocks, to) : 0;
 }
 int64_t makeTwoLevelsOfBytes(const std::array<const uint8_t*, 16>& rows, int64_t blocks,
                              const TwoLevelsOfBytes& to) {
-  return hasAvx2() ? makeTwoWide(rows, blocks, to) : 0;
+  return internal::hasWideVectors() ? makeTwoWide(rows, blocks, to) : 0;
 }
 #else
 int64_t makeByteBlocks(const std::array<const uint8_t*, 4>& /*rows*/, int64_t /*blocks*/,

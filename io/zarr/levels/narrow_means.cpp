@@ -8,6 +8,7 @@
 
 #include "io/zarr/levels/block_sums.h"
 #include "io/zarr/levels/byte_blocks.h"
+#include "io/zarr/levels/short_blocks.h"
 #include "src/base/wide_vectors.h"
 
 namespace sluice {
@@ -141,6 +142,8 @@ class Pass {
           made = makeByteBlocks(rows.row, y, z);
         }
       }
+      if constexpr (sizeof(T) == 2)
+        if (rows.count == 4 && step.x == 2) made = makeShorts(rows.row, y, z, sums, squares);
       using Narrow = std::conditional_t<sizeof(T) == 1, int16_t, int32_t>;
       addRows<Narrow>(
           rows, cube_.size.x, step.x, [](T v) { return Narrow{v}; }, sums, made);
@@ -168,6 +171,15 @@ class Pass {
         rows, cube_.size.x / 2,
         {plane.sums + row, plane.squares + row, reinterpret_cast<uint8_t*>(part.voxels) + at,
          reinterpret_cast<uint8_t*>(part.spreads) + at});
+  }
+
+  int64_t makeShorts(const std::array<const T*, 4>& rows, int64_t y, int64_t z, int32_t* sums,
+                     uint64_t* squares) const {
+    const LevelPart& part = levels_.front();
+    const int64_t at = z * part.plane_stride + y * part.row_stride;
+    return makeShortBlocks<T>(rows, cube_.size.x / 2,
+                              {sums, squares, reinterpret_cast<T*>(part.voxels) + at,
+                               reinterpret_cast<uint16_t*>(part.spreads) + at});
   }
 
   // Whether a row of the second level is of blocks of 4 x 4 x 4 voxels, but for the last ones.

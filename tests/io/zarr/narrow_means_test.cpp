@@ -63,12 +63,17 @@ TEST(NarrowMeans, areThoseOfDoublesInRowsOfAnyLength) {
     expectSameLevels<uint8_t>({x, 9, 8}, 0, 255, 1);
     expectSameLevels<int8_t>({x, 8, 9}, -128, 127, 2);
     expectSameLevels<uint16_t>({x, 8, 8}, 0, 65535, 3);
+    expectSameLevels<int16_t>({x, 8, 8}, -32768, 32767, 4);
   }
 }
 
 // Few values make every tie: means and spreads half way between two numbers.
 TEST(NarrowMeans, roundTiesToTheEvenNumber) {
-  for (uint32_t seed = 0; seed < 20; ++seed) expectSameLevels<uint8_t>({128, 16, 8}, 0, 3, seed);
+  for (uint32_t seed = 0; seed < 20; ++seed) {
+    expectSameLevels<uint8_t>({128, 16, 8}, 0, 3, seed);
+    expectSameLevels<uint16_t>({64, 16, 8}, 32766, 32769, seed);
+    expectSameLevels<int16_t>({64, 16, 8}, -2, 1, seed);
+  }
 }
 
 TEST(NarrowMeans, ofOneValueAreThatValue) {
