@@ -15,6 +15,7 @@
 #include "io/zarr/n5/n5_attributes.h"
 #include "io/zarr/reading/zarr_checksums.h"
 #include "src/base/error.h"
+#include "src/base/files/suffixed_name.h"
 #include "src/base/threads/mutex.h"
 #include "src/base/threads/worker_pool.h"
 
@@ -98,7 +99,7 @@ class StoreFetch {
              ProgressMeter& progress)
       : root_(std::move(root)),
         target_(target),
-        part_(target.string() + ".part"),
+        part_(suffixedName(target, ".part")),
         options_(options),
         progress_(progress) {
     one_.reads = 1;

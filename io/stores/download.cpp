@@ -16,6 +16,7 @@
 #include "io/stores/sha256.h"
 #include "src/base/error.h"
 #include "src/base/files/descriptor.h"
+#include "src/base/files/suffixed_name.h"
 #include "src/base/threads/mutex.h"
 #include "src/base/threads/worker_pool.h"
 #include "src/base/values/bytes.h"
@@ -71,8 +72,8 @@ class Download {
         expected_(expected),
         options_(options),
         progress_(progress),
-        part_path_(file.string() + ".part"),
-        known_path_(file.string() + ".part-of"),
+        part_path_(suffixedName(file, ".part")),
+        known_path_(suffixedName(file, ".part-of")),
         name_(object.name()) {}
 
   std::optional<Downloaded> run() {

@@ -65,6 +65,32 @@ TEST(AtomicFile, takesOverWhatAKilledProcessLeft) {
   EXPECT_EQ(readFile(path), "new");
 }
 
+// The name while it is written is longer than the file's own, which may be the longest there is.
+TEST(AtomicFile, aNameMayBeAsLongAsTheFileSystemAllows) {
+  const TempFolder folder;
+  constexpr size_t kLongest = 255;
+  for (size_t length : {kLongest - 8, kLongest - 5, kLongest}) {
+    const auto path = folder / (std::string(length - 4, 'a') + ".txt");
+    const auto other = folder / (std::string(length - 5, 'a') + "b.txt");
+    AtomicFile file(path), of_other(other), beside(path);
+    EXPECT_NE(file.temporaryPath(), of_other.temporaryPath());
+    EXPECT_NE(file.temporaryPath(), beside.temporaryPath());
+    file.write(std::string_view("new"));
+    file.commit();
+    EXPECT_EQ(readFile(path), "new");
+  }
+  // Of characters of two bytes, the second of which begins where the name is cut.
+  for (const char* first : {"", "a"}) {
+    std::string name = first;
+    while (name.size() + 2 <= kLongest) name += "\u00e9";
+    AtomicFile file(folder / name);
+    const std::string temporary = file.temporaryPath().filename().string();
+    const std::string kept = temporary.substr(0, temporary.find('~'));
+    EXPECT_EQ(kept, name.substr(0, kept.size()));
+    EXPECT_EQ((kept.size() - std::string(first).size()) % 2, 0U) << temporary;
+  }
+}
+
 TEST(AtomicFile, neverWritesThroughALinkThatLiesInItsWay) {
   const TempFolder folder;
   writeFile(folder / "victim", "untouched");

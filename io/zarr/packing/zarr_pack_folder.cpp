@@ -22,6 +22,7 @@
 #include "src/base/error.h"
 #include "src/base/files/atomic_file.h"
 #include "src/base/files/json_field.h"
+#include "src/base/files/suffixed_name.h"
 
 namespace sluice {
 namespace {
@@ -92,7 +93,7 @@ ZarrPackFolder::ZarrPackFolder(const fs::path& output, std::vector<PackedArray> 
                                const std::string& source_identity, const std::string& parameters,
                                BegunByOthers others)
     : output_(withoutSlash(output)),
-      folder_(output_.string() + ".partial"),
+      folder_(suffixedName(output_, ".partial")),
       store_(folder_ / "store"),
       arrays_(std::move(arrays)),
       first_chunks_(runningSums(arrays_, &ZarrArray::chunkCount)),

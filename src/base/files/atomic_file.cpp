@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "src/base/error.h"
+#include "src/base/files/suffixed_name.h"
 
 namespace sluice {
 
@@ -93,7 +94,7 @@ AtomicFile::AtomicFile(std::filesystem::path path) : path_(followed(std::move(pa
   } else {
     constexpr int kMostWriters = 1000;
     for (int n = 0; !file_ && n < kMostWriters; ++n) {
-      temporary_ = fmt::format("{}.{}.tmp", path_.string(), n);
+      temporary_ = suffixedName(path_, fmt::format(".{}.tmp", n));
       file_.reset(openOwned(temporary_));
       if (!file_ && errno != EEXIST) break;
     }

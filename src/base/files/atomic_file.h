@@ -1,12 +1,13 @@
 // AtomicFile: a file that appears whole under its name or not at all.
 //
-// Writes go to "<path>.<n>.tmp" in the same folder, locked; commit() flushes, syncs and renames it.
-// The destructor removes a file that was not committed, so an exception or an interruption leaves
-// nothing behind; removeTemporaries() does so when a signal ends the process. The next writer of
-// the same path takes over what a killed process left. A path that is a symbolic link is followed,
-// so that the link stays one. A path that is no regular file (/dev/null, a pipe with a reader) is
-// written to directly, because it can be neither replaced nor restored. One thread an object;
-// several objects, threads and processes may share a path.
+// Writes go to "<path>.<n>.tmp" in the same folder (a long name is cut, see suffixedName()),
+// locked; commit() flushes, syncs and renames it. The destructor removes a file that was not
+// committed, so an exception or an interruption leaves nothing behind; removeTemporaries() does so
+// when a signal ends the process. The next writer of the same path takes over what a killed process
+// left. A path that is a symbolic link is followed, so that the link stays one. A path that is no
+// regular file (/dev/null, a pipe with a reader) is written to directly, because it can be neither
+// replaced nor restored. One thread an object; several objects, threads and processes may share a
+// path.
 #pragma once
 
 #include <cstddef>
