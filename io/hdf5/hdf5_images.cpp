@@ -270,7 +270,7 @@ std::unique_ptr<VolumeSource> openBdvXml(const std::string& path, const ChunkedO
   std::vector<int64_t> setups;
   for (const BdvSetup& setup : image.setups) {
     setups.push_back(setup.id);
-    stack.channel_names.push_back(printable(setup.name));
+    stack.channel_names.push_back(printable(setup.name, kLongestName));
   }
   const int64_t channel = channelOf(stack, options.channel);
   const BdvSetup& setup = image.setups[static_cast<size_t>(channel)];

@@ -11,6 +11,7 @@
 #include "io/vtk/vtk_bytes.h"
 #include "io/vtk/vtk_image.h"
 #include "src/base/error.h"
+#include "src/base/files/json_field.h"
 #include "src/base/values/volume_channels.h"
 
 namespace sluice {
@@ -95,7 +96,7 @@ std::unique_ptr<VolumeSource> openVtk(const std::filesystem::path& path, const C
   std::vector<std::string> notes, names;
   VolumeLayout choice;
   const std::vector<VtkArray> arrays = channelsOf(image, channel, file->path(), choice);
-  for (const VtkArray& array : arrays) names.push_back(array.name);
+  for (const VtkArray& array : arrays) names.push_back(printable(array.name, kLongestName));
   choice.channels = static_cast<int64_t>(arrays.size());
   if (choice.channels > 1 || channel.given()) chooseChannel(file->path(), channel, names, choice);
   const VtkArray& array = arrays[static_cast<size_t>(choice.channel)];

@@ -23,5 +23,24 @@ TEST(ParseJson, refusesDepthAndWhatIsNoJson) {
   EXPECT_THAT(errorOf([] { parseJson("{\"\x1b[31m", "f"); }), testing::Not(HasSubstr("\x1b")));
 }
 
+TEST(Printable, keepsCharactersAndReplacesOtherBytes) {
+  for (const char* text : {"DAPI", "\u03b1-tubulin", "\u00b5m", "\u7d30\u80de", "\U0001f52c"})
+    EXPECT_EQ(printable(text), text);
+  EXPECT_EQ(printable("a\nb\t\x1b[31m\x7f"), "a?b??[31m?");
+  // Control characters of 8 bits, a line's end, a turned direction of writing and one of no width.
+  EXPECT_EQ(printable("\u009b|\u2028|\u202e|\u200b"), "?|?|?|?");
+  // Latin-1, a character that is cut off, one that is written too long, half of a pair, too large.
+  EXPECT_EQ(printable("\xb5m"), "?m");
+  EXPECT_EQ(printable("a\xce"), "a?");
+  EXPECT_EQ(printable("\xc0\xaf|\xe0\x80\xaf"), "??|???");
+  EXPECT_EQ(printable("\xed\xa0\x80|\xf4\x90\x80\x80"), "???|????");
+}
+
+TEST(Printable, cutsBetweenCharacters) {
+  EXPECT_EQ(printable("abcdef", 6), "abcdef");
+  EXPECT_EQ(printable("abcdefg", 6), "abcdef...");
+  EXPECT_EQ(printable("\u03b1\u03b2\u03b3", 5), "\u03b1\u03b2...");
+}
+
 }  // namespace
 }  // namespace sluice

@@ -41,7 +41,7 @@ std::vector<std::string> omeroNames(const JsonField& omero) {
   for (size_t i = 0; i < count; ++i) {
     const JsonField channel = (*channels)[i];
     const auto label = channel.isObject() ? channel.find("label") : std::nullopt;
-    names.push_back(label && label->isText() ? printable(label->text()) : "");
+    names.push_back(label && label->isText() ? printable(label->text(), kLongestName) : "");
   }
   return names;
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <set>
+#include <utility>
 #include <vector>
 
 #include "src/base/error.h"
@@ -20,14 +21,56 @@ std::string describe(const nlohmann::json& value) {
   return value.dump();
 }
 
+// A character of UTF-8.
+struct Character {
+  uint32_t code = 0;
+  size_t bytes = 0;  // 0: the text does not begin with one
+};
+
+Character firstCharacter(std::string_view text) {
+  const auto byteAt = [&](size_t i) { return static_cast<unsigned char>(text[i]); };
+  const unsigned first = byteAt(0);
+  if (first < 0x80) return {first, 1};
+  const size_t bytes = first < 0xc2   ? 0
+                       : first < 0xe0 ? 2
+                       : first < 0xf0 ? 3
+                       : first < 0xf5 ? 4
+                                      : 0;
+  if (bytes == 0 || text.size() < bytes) return {};
+  uint32_t code = first & (0xffU >> (bytes + 1));
+  for (size_t i = 1; i < bytes; ++i) {
+    if ((byteAt(i) & 0xc0U) != 0x80) return {};
+    code = code << 6 | (byteAt(i) & 0x3fU);
+  }
+  const bool is_too_long = (bytes == 3 && code < 0x800) || (bytes == 4 && code < 0x10000);
+  const bool is_surrogate = code >= 0xd800 && code < 0xe000;
+  if (is_too_long || is_surrogate || code > 0x10ffff) return {};
+  return {code, bytes};
+}
+
+// Characters that control a terminal, break the line or change the direction of writing, or that
+// nobody sees.
+bool isPrintable(uint32_t code) {
+  constexpr std::pair<uint32_t, uint32_t> kHidden[] = {
+      {0, 0x1f},        {0x7f, 0x9f},     {0xad, 0xad},     {0x61c, 0x61c},   {0x200b, 0x200f},
+      {0x2028, 0x202e}, {0x2060, 0x206f}, {0xfeff, 0xfeff}, {0xfff9, 0xfffb}, {0xe0000, 0xe0fff}};
+  return std::ranges::none_of(
+      kHidden, [&](const auto& range) { return code >= range.first && code <= range.second; });
+}
+
 }  // namespace
 
 std::string printable(std::string_view text, size_t longest) {
-  std::string line(text.substr(0, longest));
-  for (char& c : line) {
-    if (c < 0x20 || c > 0x7e) c = '?';
+  std::string line;
+  while (!text.empty()) {
+    const Character character = firstCharacter(text);
+    const size_t bytes = std::max<size_t>(character.bytes, 1);
+    if (line.size() + bytes > longest) return line + "...";
+    const bool is_shown = character.bytes > 0 && isPrintable(character.code);
+    line += is_shown ? text.substr(0, bytes) : "?";
+    text.remove_prefix(bytes);
   }
-  return text.size() > longest ? line + "..." : line;
+  return line;
 }
 
 nlohmann::json parseJson(std::string_view text, const std::string& where) {

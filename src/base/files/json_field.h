@@ -19,8 +19,12 @@ namespace sluice {
 // file of ours does, or has a key twice in one object.
 nlohmann::json parseJson(std::string_view text, const std::string& where);
 
-// `text` as one line of printable ASCII of bounded length, whatever a file holds; for messages.
+// `text` as one line of printable characters, in UTF-8, of at most `longest` bytes and "...",
+// whatever a file holds; for messages and for names that messages show. Other bytes become "?".
 std::string printable(std::string_view text, size_t longest = 60);
+// Bytes of a name that a file gives to a channel or an array: enough for every name that a person
+// wrote.
+inline constexpr size_t kLongestName = 200;
 
 class JsonField {
  public:
