@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <initializer_list>
 #include <iterator>
 
@@ -50,6 +51,18 @@ std::string lengthUnit(std::string_view said) {
 std::optional<double> metersOf(std::string_view unit) {
   const auto* const found = std::ranges::find(kUnits, unit, &Unit::name);
   return found == std::end(kUnits) ? std::nullopt : std::optional(found->meters);
+}
+
+double unitRatio(std::string_view from, std::string_view to) {
+  const auto from_meters = metersOf(from), to_meters = metersOf(to);
+  if (!from_meters || !to_meters || from == to) return 1;
+  // Most ratios are powers of ten, which the division misses by its rounding.
+  const auto rounded = [](double ratio) {
+    const double whole = std::round(ratio);
+    return std::abs(ratio - whole) < 1e-9 * ratio ? whole : ratio;
+  };
+  return *from_meters > *to_meters ? rounded(*from_meters / *to_meters)
+                                   : 1 / rounded(*to_meters / *from_meters);
 }
 
 }  // namespace sluice

@@ -13,5 +13,8 @@ namespace sluice {
 std::string lengthUnit(std::string_view said);
 // The meters of one such unit, 0.001 for "millimeter"; nullopt for a word that is not known.
 std::optional<double> metersOf(std::string_view unit);
+// The number by which a length in `from` is multiplied to be one in `to`, 0.001 from "nanometer" to
+// "micrometer"; 1 if either unit is not known. Both are as lengthUnit() returns them.
+double unitRatio(std::string_view from, std::string_view to);
 
 }  // namespace sluice

@@ -10,6 +10,7 @@
 #include "io/files/xml_scanner.h"
 #include "io/slices/description_numbers.h"
 #include "src/base/error.h"
+#include "src/base/files/json_field.h"
 
 namespace sluice {
 namespace {
@@ -123,14 +124,13 @@ bool placePlanes(const std::vector<TiffBlock>& blocks, int64_t pages, PageOrder&
   return true;
 }
 
+// If y or z has another unit than x, a known unit is converted to x's.
 double omeLength(const Fields& pixels, std::string_view axis, const std::string& unit) {
   const std::string name = fmt::format("PhysicalSize{}", axis);
   const auto size = numberIn<double>(fieldOf(pixels, name));
   const std::string own = fieldOf(pixels, name + "Unit");
-  // If y or z has another unit than x, a known unit is converted to x's.
-  const auto from = metersOf(own.empty() ? "micrometer" : lengthUnit(own)), to = metersOf(unit);
   if (!size) return 1;
-  return lengthOr1(from && to && *from != *to ? *size * *from / *to : *size);
+  return lengthOr1(*size * unitRatio(own.empty() ? "micrometer" : lengthUnit(own), unit));
 }
 
 // A signed number of 32 bits: red, green, blue and alpha from the highest byte down. Writers that
@@ -147,7 +147,7 @@ void describeChannels(const std::vector<Fields>& channels, PageOrder& order) {
   bool says_colors = false;
   for (const Fields& channel : channels) {
     if (static_cast<int64_t>(order.channel_names.size()) == order.channels) break;
-    order.channel_names.push_back(fieldOf(channel, "Name"));
+    order.channel_names.push_back(printable(fieldOf(channel, "Name"), kLongestName));
     order.channel_looks.push_back({.color = omeColor(fieldOf(channel, "Color"))});
     says_colors = says_colors || order.channel_looks.back().color;
   }

@@ -57,6 +57,12 @@ PageOrder imageJOrder(std::string_view text, int64_t pages, double pixels_x, dou
   order.spacing.y = pixels_y > 0 ? lengthOr1(1 / pixels_y) : order.spacing.x;
   const auto depth = numberIn<double>(fieldOf(fields, "spacing"));
   order.spacing.z = lengthOr1(depth ? std::optional(std::abs(*depth)) : std::nullopt);
+  // ImageJ names the units of y and z only if they differ from that of x.
+  const auto ratioOf = [&](const char* key) {
+    return unitRatio(lengthUnit(fieldOf(fields, key)), order.unit);
+  };
+  order.spacing.y *= ratioOf("yunit");
+  order.spacing.z *= ratioOf("zunit");
   return order;
 }
 

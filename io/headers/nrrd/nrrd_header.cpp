@@ -1,10 +1,12 @@
 #include "io/headers/nrrd/nrrd_header.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
 #include <span>
+#include <string>
 #include <utility>
 
 #include "io/files/length_unit.h"
@@ -201,35 +203,55 @@ void readFrame(const NrrdFields& fields, VolumeLayout& layout) {
   }
 }
 
-// The unit of the first axis: "space units" if there is a space, else "units"; each in quotation
-// marks.
-void readUnit(const NrrdFields& fields, VolumeLayout& layout) {
-  const auto text = fields.find(fields.find("spaceunits") ? "spaceunits" : "units");
-  if (!text) return;
-  const size_t begin = text->find('"');
-  if (begin == std::string_view::npos) return;
-  const size_t end = std::min(text->find('"', begin + 1), text->size());
-  layout.unit = lengthUnit(text->substr(begin + 1, end - begin - 1));
+// Words in quotation marks, as units of length.
+std::vector<std::string> unitsIn(std::string_view text) {
+  std::vector<std::string> units;
+  for (size_t begin = text.find('"'); begin != std::string_view::npos;) {
+    const size_t end = std::min(text.find('"', begin + 1), text.size());
+    units.push_back(lengthUnit(text.substr(begin + 1, end - begin - 1)));
+    begin = text.find('"', end + 1);
+  }
+  return units;
+}
+
+// The units of the world's x, y and z: "space units" if there is a space, else the "units" of the
+// axes. A word that is missing is empty.
+std::array<std::string, 3> worldUnits(const NrrdFields& fields, const std::vector<Axis>& axes) {
+  std::array<std::string, 3> world;
+  const auto of_space = fields.find("spaceunits"), of_axes = fields.find("units");
+  const std::vector<std::string> said = unitsIn(of_space.value_or(of_axes.value_or("")));
+  for (size_t i = 0; i < world.size(); ++i) {
+    if (!of_space && i >= axes.size()) break;
+    const size_t at = of_space ? i : axes[i].number;
+    if (at < said.size()) world[i] = said[at];
+  }
+  return world;
 }
 
 void readGeometry(const NrrdFields& fields, const std::vector<Axis>& axes, VolumeLayout& layout) {
+  const std::array<std::string, 3> units = worldUnits(fields, axes);
+  layout.unit = units[0];
+  const auto inUnit = [&](Vec3d position) {
+    for (int i = 0; i < 3; ++i)
+      position[i] *= unitRatio(units[static_cast<size_t>(i)], layout.unit);
+    return position;
+  };
   std::vector<Vec3d> steps;
   for (size_t i = 0; i < axes.size(); ++i) {
     Vec3d step;
     step[static_cast<int>(i)] = axes[i].spacing;
-    steps.push_back(axes[i].direction.value_or(step));
+    steps.push_back(inUnit(axes[i].direction.value_or(step)));
   }
   if (steps.empty()) steps.push_back({1, 0, 0});
   setSteps(fields.path, steps, layout);
   const std::optional<std::string_view> origin = fields.find("spaceorigin");
   if (origin && *origin != "none")
-    setOrigin(fields.path, vector(fields, "space origin", *origin), layout);
+    setOrigin(fields.path, inUnit(vector(fields, "space origin", *origin)), layout);
   const auto least = fields.find("min"), greatest = fields.find("max");
   if (least && greatest)
     setStoredRange(fields.path, real(fields, "min", *least), real(fields, "max", *greatest),
                    layout);
   readFrame(fields, layout);
-  readUnit(fields, layout);
 }
 
 // The last word of a list or pattern: how many of the array's dimensions each file holds.

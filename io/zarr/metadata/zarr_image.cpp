@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "io/files/length_unit.h"
 #include "io/headers/volume_description.h"
 #include "io/zarr/metadata/omero_channels.h"
 #include "src/base/error.h"
@@ -263,19 +264,29 @@ std::vector<Role> rolesByNumber(size_t axes, bool channel_wanted) {
 }
 
 void place(const ZarrImage& image, const std::string& path, ZarrView& view) {
+  const auto unitOf = [&](size_t a) {
+    return image.axes.empty() ? std::string() : lengthUnit(image.axes[view.space[a]].unit);
+  };
+  view.layout.unit = unitOf(0);
+  // x, y and z of numbers for each axis, in the unit of x.
+  const auto inSpace = [&](const std::vector<double>& of_axes) {
+    Vec3d of_space;
+    for (size_t a = 0; a < 3; ++a)
+      of_space[static_cast<int>(a)] =
+          of_axes[view.space[a]] * unitRatio(unitOf(a), view.layout.unit);
+    return of_space;
+  };
   Vec3d scale{1, 1, 1}, origin;
-  for (size_t a = 0; a < 3 && !image.scale.empty(); ++a) {
-    scale[static_cast<int>(a)] = image.scale[view.space[a]];
-    origin[static_cast<int>(a)] = image.translation[view.space[a]];
+  if (!image.scale.empty()) {
+    scale = inSpace(image.scale);
+    origin = inSpace(image.translation);
   }
   const std::array<Vec3d, 3> directions =
       image.directions.value_or(std::array<Vec3d, 3>{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}});
   // Our own directions turn the way from level 0's first voxel to this one's, too.
   if (image.directions && !image.places.empty() && !image.places[0].translation.empty() &&
       image.places[0].translation.size() == image.scale.size()) {
-    Vec3d finest;
-    for (size_t a = 0; a < 3; ++a)
-      finest[static_cast<int>(a)] = image.places[0].translation[view.space[a]];
+    const Vec3d finest = inSpace(image.places[0].translation);
     const Vec3d along = origin - finest;
     origin = finest + directions[0] * along.x + directions[1] * along.y + directions[2] * along.z;
   }

@@ -47,7 +47,6 @@ ChunkedSource::ChunkedSource(const ChunkedVolume& volume, OpenedArray opened, si
     view_.layout.notes.insert(view_.layout.notes.end(), volume.notes.begin(), volume.notes.end());
   chooseChannel(volume.name, channel, channel_names_, view_.layout);
   channel_ = view_.layout.channel;
-  if (!image.axes.empty()) view_.layout.unit = image.axes[view_.space[0]].unit;
 
   fill_.resize(bytesPerVoxel(array.type));
   visitVoxelType(array.type, [&](auto tag) {

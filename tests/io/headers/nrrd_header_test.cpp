@@ -118,6 +118,34 @@ TEST(NrrdHeaderTest, unitsAreThoseOfTheSpaceOrOfTheFirstAxis) {
   EXPECT_EQ(parse(headerWith("units", "mm")).layout.unit, "");
 }
 
+TEST(NrrdHeaderTest, lengthsInSeveralUnitsBecomeThatOfTheFirstAxis) {
+  const VolumeLayout of_axes =
+      parse(headerWith("units", "\"um\" \"nm\" \"mm\"\nspacings: 1 2000 0.5")).layout;
+  EXPECT_EQ(of_axes.unit, "micrometer");
+  expectNear(of_axes.spacing, {1, 2, 500});
+  // A direction is of the world, whose y has a unit of its own.
+  const VolumeLayout of_space =
+      parse(headerWith("space units",
+                       "\"mm\" \"um\" \"mm\"\nspace: RAS\n"
+                       "space directions: (0,500,0) (2,0,0) (0,0,3)\nspace origin: (1,2000,3)"))
+          .layout;
+  EXPECT_EQ(of_space.unit, "millimeter");
+  expectNear(of_space.spacing, {0.5, 2, 3});
+  expectNear(of_space.origin, {1, 2, 3});
+  // A unit that is not known is left as it is.
+  expectNear(parse(headerWith("units", "\"mm\" \"ell\" \"mm\"")).layout.spacing, {1, 1, 1});
+}
+
+// The unit of an axis that is not of space is passed over.
+TEST(NrrdHeaderTest, theUnitIsThatOfTheFirstAxisOfSpace) {
+  const std::string text =
+      "NRRD0004\ntype: uchar\ndimension: 4\nsizes: 1 4 3 2\nencoding: raw\n"
+      "kinds: scalar domain domain domain\nunits: \"\" \"mm\" \"mm\" \"um\"\n\n";
+  const VolumeLayout layout = parse(text).layout;
+  EXPECT_EQ(layout.unit, "millimeter");
+  expectNear(layout.spacing, {1, 1, 0.001});
+}
+
 std::string fourDimensional(const std::string& sizes, const std::string& more) {
   return "NRRD0004\ntype: uchar\ndimension: 4\nsizes: " + sizes + "\nencoding: raw\n" + more + "\n";
 }

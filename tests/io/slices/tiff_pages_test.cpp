@@ -191,6 +191,29 @@ TEST(TiffDescription, thatDoesNotFitGivesSlicesAndANote) {
   }
 }
 
+TEST(TiffDescription, lengthsInSeveralUnitsBecomeThatOfX) {
+  const PageOrder imagej = parseTiffDescription(
+      "ImageJ=1\nslices=4\nunit=micron\nyunit=nm\nzunit=mm\nspacing=0.002\n", 4, 2, 0.001);
+  EXPECT_EQ(imagej.unit, "micrometer");
+  for (int a = 0; a < 3; ++a) EXPECT_NEAR(imagej.spacing[a], (Vec3d{0.5, 1, 2})[a], 1e-12);
+  const PageOrder ome = parseTiffDescription(
+      "<OME><Image><Pixels DimensionOrder=\"XYZCT\" SizeZ=\"4\" SizeC=\"1\" SizeT=\"1\" "
+      "PhysicalSizeX=\"0.5\" PhysicalSizeY=\"1000\" PhysicalSizeYUnit=\"nm\" "
+      "PhysicalSizeZ=\"0.002\" PhysicalSizeZUnit=\"mm\"/></Image></OME>",
+      4, 0, 0);
+  EXPECT_EQ(ome.unit, "micrometer");
+  for (int a = 0; a < 3; ++a) EXPECT_NEAR(ome.spacing[a], (Vec3d{0.5, 1, 2})[a], 1e-12);
+}
+
+// A name in a message is one line.
+TEST(TiffDescription, namesOfChannelsArePrintable) {
+  const PageOrder order = parseTiffDescription(
+      "<OME><Image><Pixels DimensionOrder=\"XYZCT\" SizeZ=\"1\" SizeC=\"2\" SizeT=\"1\">"
+      "<Channel Name=\"a&#10;b\"/><Channel Name=\"\u03b1-tubulin\"/></Pixels></Image></OME>",
+      2, 0, 0);
+  EXPECT_THAT(order.channel_names, testing::ElementsAre("a?b", "\u03b1-tubulin"));
+}
+
 TEST(TiffDescription, ofASetNamesItsFilesOnceEach) {
   const std::string front =
       "<OME><Pixels DimensionOrder=\"XYZCT\" SizeZ=\"2\" SizeC=\"1\" SizeT=\"1\">";

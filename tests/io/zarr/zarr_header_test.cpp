@@ -218,6 +218,25 @@ TEST(ZarrImage, transformationsOfTheLevelComeBeforeThoseOfTheImage) {
   EXPECT_EQ(layoutOf("{}").spacing, (Vec3d{1, 1, 1}));
 }
 
+// Each axis of an image may have a unit of its own.
+TEST(ZarrImage, lengthsInSeveralUnitsBecomeThatOfX) {
+  const auto axesIn = [](const char* z, const char* y, const char* x) {
+    return fmt::format(
+        R"([{{"name": "z", "type": "space", "unit": "{}"}}, {{"name": "y", "type": "space", "unit": "{}"}}, {{"name": "x", "type": "space", "unit": "{}"}}])",
+        z, y, x);
+  };
+  const std::string level =
+      R"([{"type": "scale", "scale": [500, 2, 0.25]}, {"type": "translation", "translation": [1000, 3, 4]}])";
+  const VolumeLayout layout =
+      layoutOf(imageOf(axesIn("nanometer", "millimeter", "micrometer"), level, ""));
+  EXPECT_EQ(layout.unit, "micrometer");
+  EXPECT_EQ(layout.spacing, (Vec3d{0.25, 2000, 0.5}));
+  EXPECT_EQ(layout.origin, (Vec3d{4, 3000, 1}));
+  // Spellings of one unit are one unit, and a word that is not known is left as it is.
+  EXPECT_EQ(layoutOf(imageOf(axesIn("um", "micron", "um"), level, "")).unit, "micrometer");
+  EXPECT_EQ(layoutOf(imageOf(axesIn("ell", "um", "um"), level, "")).spacing, (Vec3d{0.25, 2, 500}));
+}
+
 TEST(ZarrImage, aNegativeScaleTurnsTheAxis) {
   const VolumeLayout layout =
       layoutOf(imageOf(kZyx, R"([{"type": "scale", "scale": [1, 1, -2]}])", ""));
@@ -236,6 +255,9 @@ TEST(ZarrImage, saysFrameLevelsAndChannels) {
   EXPECT_THAT(errorOf([&] { layoutOf(R"({"sluice": {"frame": "up"}})"); }), HasSubstr("lps"));
   EXPECT_EQ(parseZarrImage(R"({"omero": {"channels": [{"label": "DAPI"}, {}, 3]}})", "").channels,
             (std::vector<std::string>{"DAPI", "", ""}));
+  EXPECT_EQ(
+      parseZarrImage("{\"omero\": {\"channels\": [{\"label\": \"\u03b1-tubulin\"}]}}", "").channels,
+      std::vector<std::string>{"\u03b1-tubulin"});
 }
 
 TEST(ZarrImage, saysHowChannelsLook) {
