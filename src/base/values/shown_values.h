@@ -8,6 +8,10 @@
 // an opacity. The entries for which that is true form a few intervals, which are kept in ascending
 // order. Labels lie on their entries exactly, so an entry beside one that shows does not show.
 //
+// Zero is exact, too: interpolated between zeros it is zero in any arithmetic. If it is the lower
+// end of the range, it shows only if its own entry does. A ramp that begins at the value of the
+// background thus leaves the background out.
+//
 // Immutable after construction; any thread may read.
 #pragma once
 
@@ -55,7 +59,8 @@ class ShownValues {
       if (!shows(entry)) continue;
       const int first = entry;
       while (entry + 1 < entries && shows(entry + 1)) ++entry;
-      add(first - beside, entry + beside);
+      // Values below the first entry look as it does.
+      add(first == 0 ? -1 : first - beside, entry + beside);
     }
   }
 
@@ -65,12 +70,15 @@ class ShownValues {
     if (!(at > 0)) return 0;
     return at >= entries_ ? entries_ - 1 : static_cast<int>(at);
   }
+  // The same, but -1 for a zero at the lower end of the range and for what is below it, which looks
+  // as the first entry does and not as the one beside it.
+  int placeOf(double value) const { return lo_ == 0 && value <= 0 ? -1 : entryOf(value); }
   // False only if every sample from `lo` to `hi` has opacity 0, also one that single-precision
   // arithmetic moves to the next entry; and if lo > hi. O(log intervals).
   bool anyIn(double lo, double hi) const {
-    return !(lo > hi) && anyEntryIn(entryOf(lo), entryOf(hi));
+    return !(lo > hi) && anyEntryIn(placeOf(lo), placeOf(hi));
   }
-  // The same for samples whose nearest entries are from `lo` to `hi`. Requires: lo <= hi.
+  // The same for samples whose places are from `lo` to `hi`. Requires: lo <= hi.
   bool anyEntryIn(int lo, int hi) const {
     if (intervals_.size() == 1) return lo <= intervals_[0].last && hi >= intervals_[0].first;
     const auto found =
@@ -151,13 +159,13 @@ class ShownVoxels {
                                             : static_cast<uint32_t>(half - 1 - n) | 0x80000000U);
     }
   }
-  // The first value whose entry is `entry` or above; kCount when there is none. Entries ascend with
+  // The first value whose place is `entry` or above; kCount when there is none. Places ascend with
   // the values, so it is found by halving, in agreement with ShownValues to the last bit.
   static int64_t firstOfEntry(const ShownValues& shown, int entry) {
     int64_t lo = 0, hi = kCount;
     while (lo < hi) {
       const int64_t middle = (lo + hi) / 2;
-      if (shown.entryOf(static_cast<double>(nth(middle))) >= entry)
+      if (shown.placeOf(static_cast<double>(nth(middle))) >= entry)
         hi = middle;
       else
         lo = middle + 1;

@@ -27,6 +27,54 @@ OpacityTable randomTable(std::mt19937_64& random, int bands, DeviceType type, Va
   return {transfer, {type, 1, 0}, range};
 }
 
+// The windows of microscopes and the ramps over all values begin at the background, often 0.
+TEST(ShownValues, aRampFromZeroLeavesZeroOut) {
+  TransferFunction ramp;
+  ramp.colors = {{0, {1, 1, 1}}};
+  ramp.opacities = {{0, 0}, {250, 0.5}};
+  for (const ValueRange range : {ValueRange{0, 255}, {0, 60000}}) {
+    const auto type = range.hi > 255 ? DeviceType::kU16 : DeviceType::kU8;
+    const OpacityTable table(ramp, {type, 1, 0}, range);
+    EXPECT_FALSE(table.shown().anyIn(0, 0));
+    EXPECT_TRUE(table.shown().anyIn(0, 1));
+    EXPECT_TRUE(table.shown().anyIn(1, 1));
+    const ShownVoxels<uint16_t> voxels(table.shown());
+    EXPECT_FALSE(voxels.any(0, 0));
+    EXPECT_TRUE(voxels.any(0, 1));
+  }
+  const OpacityTable floats(ramp, {DeviceType::kF32, 1, 0}, {0, 1});
+  const ShownVoxels<float> voxels(floats.shown());
+  EXPECT_FALSE(floats.shown().anyIn(0, 0));
+  EXPECT_FALSE(voxels.any(0, 0));
+  EXPECT_FALSE(voxels.any(-1, 0));
+  EXPECT_TRUE(voxels.any(0, 1e-6F));
+}
+
+// Other numbers are not exact: a sample between two equal ones may be a little off, and reach the
+// entry beside theirs.
+TEST(ShownValues, aValueBesideOneThatShowsMayShow) {
+  TransferFunction ramp;
+  ramp.colors = {{0, {1, 1, 1}}};
+  ramp.opacities = {{100, 0}, {250, 0.5}};
+  const OpacityTable table(ramp, {DeviceType::kU8, 1, 0}, {100, 255});
+  EXPECT_TRUE(table.shown().anyIn(100, 100));
+  ramp.opacities = {{0, 0.5}, {250, 0}};
+  EXPECT_TRUE(OpacityTable(ramp, {DeviceType::kU8, 1, 0}, {0, 255}).shown().anyIn(0, 0));
+}
+
+TEST(ShownValues, theLabelZeroShowsIfItHasAnOpacity) {
+  for (const double opacity : {0.0, 0.5}) {
+    TransferFunction labels;
+    labels.labels = true;
+    labels.colors = {{0, {1, 1, 1}}, {1, {1, 1, 1}}, {2, {1, 1, 1}}};
+    labels.opacities = {{0, opacity}, {1, 0.5}, {2, 0.5}};
+    const OpacityTable table(labels, {DeviceType::kU8, 1, 0}, {0, 2});
+    EXPECT_EQ(table.shown().anyIn(0, 0), opacity > 0);
+    EXPECT_EQ(ShownVoxels<uint8_t>(table.shown()).any(0, 0), opacity > 0);
+    EXPECT_TRUE(table.shown().anyIn(1, 1));
+  }
+}
+
 TEST(ShownVoxels, agreeWithTheTableOnEveryPairOfBytes) {
   std::mt19937_64 random(1);
   for (const int bands : {0, 1, 2, 5, 40})
