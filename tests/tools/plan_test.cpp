@@ -104,8 +104,23 @@ TEST(Plan, refusesAMemoryThatHasNoRoomForItAsRenderDoes) {
   const std::string two = std::string(kManyBlocks) + " --memory 60M --device cpu --over " +
                           std::string(kManyBlocks).substr(0, std::string(kManyBlocks).find(' '));
   const CommandResult plan = program.run("plan " + two);
-  EXPECT_THAT(plan.output, HasSubstr("2 channels share the memory evenly"));
+  EXPECT_THAT(plan.output, HasSubstr("--memory 60.0 MiB is too small: 2 channels share"));
   EXPECT_EQ(plan.output, program.run("render -o a.png " + two).output);
+}
+
+// The number is of all channels together, as the option is.
+TEST(Plan, theMemoryThatAMessageNamesIsEnough) {
+  const Program program;
+  for (const std::string more : {"", " --over synth:cube,dims=24x24x24"}) {
+    const std::string line = "render synth:cube,dims=24x24x24 --size 32x32 -o a.png --force" + more;
+    const std::string output = program.run(line + " --memory 64K").output;
+    const size_t at = output.find("give --memory ");
+    ASSERT_NE(at, std::string::npos) << output;
+    const auto bytes = std::stoull(output.substr(at + std::string("give --memory ").size()));
+    const CommandResult enough = program.run(fmt::format("{} --memory {}", line, bytes));
+    EXPECT_EQ(enough.status, 0) << output << enough.output;
+    EXPECT_NE(program.run(fmt::format("{} --memory {}", line, bytes - 2)).status, 0);
+  }
 }
 
 TEST(Plan, countsTheReadsOfEachAlgorithm) {

@@ -8,6 +8,7 @@
 #include "src/library/drawing/shared_world.h"
 #include "src/render/blocks/cut_rules.h"
 #include "src/render/light/arriving_light.h"
+#include "src/render/session/budgets.h"
 #include "src/volume/block_side.h"
 
 namespace sluice {
@@ -113,6 +114,8 @@ uint64_t othersBytes(const IndexedVolume& volume, const TransferFunction& transf
 }
 
 void failOfShare(const Error& error, size_t channels) {
+  if (const auto* const shortage = dynamic_cast<const MemoryShortage*>(&error))
+    throw MemoryShortage(shortage->ofOne(), channels);
   if (channels == 1) throw Error(error);
   failAs(error.kind(), "{} ({} channels share the memory evenly, and this is the part of one)",
          error.what(), channels);

@@ -1,8 +1,10 @@
 #include "src/render/session/budgets.h"
 
-#include <algorithm>
+#include <fmt/format.h>
 
-#include "src/base/error.h"
+#include <algorithm>
+#include <string>
+
 #include "src/base/values/bytes.h"
 #include "src/index/volume_boxes.h"
 #include "src/volume/block_side.h"
@@ -44,6 +46,17 @@ uint64_t tableBytes(const PageGeometry& page) {
   return static_cast<uint64_t>(page.pages * (bricks * (2 * page.bytes_per_voxel + 1) + kMargin));
 }
 
+std::string shortageLine(const MemoryShortage::Bytes& of_one, size_t channels) {
+  const std::string sharing =
+      channels == 1 ? ""
+                    : fmt::format("{} channels share the memory evenly, and of each ", channels);
+  return fmt::format(
+      "--memory {} is too small: {}{} of textures and {} of buffers are the least that works; "
+      "give --memory {} or fewer --pages",
+      formatBytes(channels * of_one.memory), sharing, formatBytes(of_one.textures),
+      formatBytes(of_one.buffers), channels * (of_one.textures + of_one.buffers));
+}
+
 }  // namespace
 
 int readsAtOnce(const VolumeSource& source, int threads) {
@@ -76,6 +89,9 @@ uint64_t textureMemoryBytes(const PageGeometry& page, TexelPlace texels) {
   return 0;
 }
 
+MemoryShortage::MemoryShortage(const Bytes& of_one, size_t channels)
+    : Error(shortageLine(of_one, channels), Kind::kMemory), of_one_(of_one) {}
+
 Budgets shareMemory(uint64_t memory_bytes, const PageGeometry& page, TexelPlace texels,
                     const BufferNeeds& needs, int most_readers) {
   Budgets budgets;
@@ -83,11 +99,7 @@ Budgets shareMemory(uint64_t memory_bytes, const PageGeometry& page, TexelPlace 
   const uint64_t least_buffers = leastBufferBytes(page, needs);
   const uint64_t textures = textureMemoryBytes(page, texels);
   if (memory_bytes < textures + least_buffers)
-    failMemory(
-        "--memory {} is too small: {} of textures and {} of buffers are the least that works; "
-        "give --memory {} or fewer --pages",
-        formatBytes(memory_bytes), formatBytes(textures), formatBytes(least_buffers),
-        textures + least_buffers);
+    throw MemoryShortage({memory_bytes, textures, least_buffers});
   // Beyond the least: an eighth for growing boxes, one for their voxels and one for a source if
   // these can use it, a third of the remainder for chunks, the rest for blocks and for more
   // readers.

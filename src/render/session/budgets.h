@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "cache/model/page_geometry.h"
+#include "src/base/error.h"
 #include "src/base/values/volume_source.h"
 #include "src/device/device.h"
 #include "src/render/camera/frame_options.h"
@@ -46,8 +47,23 @@ uint64_t leastBufferBytes(const PageGeometry& page, const BufferNeeds& needs);
 // (kTableBrickSide).
 uint64_t textureMemoryBytes(const PageGeometry& page, TexelPlace texels);
 
-// Up to `most_readers` readers, fewer if memory is short. Throws Error, with the least that works,
-// when level 4 leaves too little to the others.
+// --memory holds less than the least that levels 1 to 3 and the textures work with.
+class MemoryShortage : public Error {
+ public:
+  struct Bytes {
+    uint64_t memory = 0, textures = 0, buffers = 0;
+  };
+  // `channels`: so many share --memory evenly, and the bytes are the part and the needs of one. The
+  // message names what all of them need.
+  explicit MemoryShortage(const Bytes& of_one, size_t channels = 1);
+  const Bytes& ofOne() const { return of_one_; }
+
+ private:
+  Bytes of_one_;
+};
+
+// Up to `most_readers` readers, fewer if memory is short. Throws MemoryShortage when level 4 leaves
+// too little to the others.
 Budgets shareMemory(uint64_t memory_bytes, const PageGeometry& page, TexelPlace texels,
                     const BufferNeeds& needs, int most_readers);
 
