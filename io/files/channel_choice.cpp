@@ -72,6 +72,9 @@ std::vector<int64_t> wishedChannels(const std::string& path, const ChannelWish& 
   for (size_t at = 0; at <= wish.name.size();) {
     const size_t end = std::min(wish.name.find(',', at), wish.name.size());
     const std::string word = wish.name.substr(at, end - at);
+    if (word.empty())
+      failRequest("{}: --channel {}: expected a channel on both sides of each comma", path,
+                  wish.text());
     int64_t number = 0;
     const auto [read, status] = std::from_chars(word.data(), word.data() + word.size(), number);
     const bool is_number = status == std::errc() && read == word.data() + word.size();
@@ -92,6 +95,13 @@ void chooseChannel(const std::string& path, const ChannelWish& wish,
   if (!wish.number && wish.given())
     layout.channel = numberOf(path, wish.name, names, layout.channels);
   if (wish.given() || layout.channels < 2) return;
+  if (wish.is_over) {
+    layout.notes.push_back(fmt::format(
+        "{}: channel {} of {} is read, as of every volume of --over; to draw another one, copy it "
+        "with sluice pack --channel",
+        path, shown(0, names), layout.channels));
+    return;
+  }
   layout.notes.push_back(fmt::format("{}: channel {} of {} is read; --channel takes {}", path,
                                      shown(0, names), layout.channels,
                                      listed(1, layout.channels, names)));

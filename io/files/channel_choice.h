@@ -17,6 +17,8 @@ struct ChannelWish {
   // Used if there is no number; perhaps several, see wishedChannels(). Both empty: the first
   // channel.
   std::string name = {};
+  // The volume lies over another one (--over), of which the first channel is read.
+  bool is_over = false;
 
   ChannelWish() = default;
   ChannelWish(int64_t wanted) : number(wanted) {}

@@ -1,8 +1,9 @@
-// Files of several channels, for tests that run the program on them.
+// The fixture of the tests that draw several channels, and the files that these draw.
 #pragma once
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <sstream>
 #include <string>
 
@@ -39,5 +40,11 @@ class Channels : public testing::Test {
 
   const Program program_;
 };
+
+// Opacities over the windows, and the colours, as omero has them.
+inline constexpr std::array<const char*, 3> kStoredLooks = {
+    "--map 00ffff --range 400,3000 --opacities 400:0,3000:0.05",
+    "--map 00ff00 --range 400,2000 --opacities 400:0,2000:0.05",
+    "--map ff00ff --range 500,5000 --opacities 500:0,5000:0.05"};
 
 }  // namespace sluice

@@ -134,6 +134,7 @@ VolumeArguments overArguments(const VolumeArguments& arguments) {
   over.open.web = arguments.open.web;
   over.open.decode = arguments.open.decode;
   over.open.stop = arguments.open.stop;
+  over.open.channel.is_over = true;
   return over;
 }
 
