@@ -35,17 +35,22 @@ HWY_INLINE V othersShareOf(V number) {
   return hn::Min(hn::Max(hn::Mul(number, unit), hn::Zero(F())), all(1.0F));
 }
 
-// The label of a sample in a chunk with shares, and the share of what shows. A call of its own, as
-// labelAt() is. Most places lie within one label.
+// How much of a body a label is, from the greatest share of it around.
+HWY_INLINE V bodyOf(V fullest) {
+  return hn::Min(hn::Max(hn::MulAdd(all(4.0F), fullest, all(-2.0F)), hn::Zero(F())), all(1.0F));
+}
+
+// The label of a sample in a chunk with shares, and the part that shows of a whole voxel's opacity.
+// A call of its own, as labelAt() is. Most places lie within one label.
 struct SharedLabel {
-  V label, share;
+  V label, part;
 };
 template <DeviceType kType>
 HWY_NOINLINE SharedLabel sharedLabelAt(const KernelFrame& frame, const KernelBox& box,
                                        Place place) {
   const SpreadRows rows = spreadRowsAround<kType>(box, place.offset);
   const EightNumbers values = eightOf(rows.mean), others = eightOf(rows.spread);
-  const V none = hn::Zero(F());
+  const V none = hn::Zero(F()), whole = all(1.0F);
   EightNumbers weights = weightsAt(place);
   V least = values.at(0), greatest = least;
   for (int i = 1; i < 8; ++i) {
@@ -54,17 +59,23 @@ HWY_NOINLINE SharedLabel sharedLabelAt(const KernelFrame& frame, const KernelBox
   }
   const bool is_one = hn::AllTrue(F(), hn::Eq(least, greatest));
   const M one_shows = hn::Gt(labelOpacityOf<kType>(frame, least), none);
-  V share = none;
+  V shown = none, left = none, fullest = none;
   for (int i = 0; i < 8; ++i) {
     const V weight = weights.at(i);
     const M shows =
         is_one ? one_shows : hn::Gt(labelOpacityOf<kType>(frame, values.at(i)), none);
-    const V rest = othersShareOf<kType>(others.at(i));
-    share = hn::MulAdd(weight, hn::IfThenElse(shows, hn::Sub(all(1.0F), rest), rest), share);
+    const V rest = othersShareOf<kType>(others.at(i)), share = hn::Sub(whole, rest);
+    shown = hn::MulAdd(weight, hn::IfThenElseZero(shows, share), shown);
+    left = hn::MulAdd(weight, hn::IfThenZeroElse(shows, rest), left);
+    fullest = hn::Max(fullest, hn::IfThenElseZero(shows, share));
     // Below what any label that shows has together: those win.
     hn::Store(hn::IfThenElse(shows, weight, all(-2.0F)), F(), weights.of[i]);
   }
-  return {is_one ? least : heaviestOf(values, weights), share};
+  const V body = bodyOf(fullest), share = hn::MulAdd(body, left, shown);
+  const V step =
+      hn::Min(hn::Max(hn::MulAdd(all(2.0F), share, all(-0.5F)), hn::Zero(F())), whole);
+  return {is_one ? least : heaviestOf(values, weights),
+          between(share, step, body, hn::Sub(whole, body))};
 }
 
 // Sobel's weights along an axis, interpolated between two texels: of the texel before a place, the
@@ -171,6 +182,11 @@ HWY_INLINE V3 sobelSlopes(const Place& place, const NumberOf& number_of) {
   return slopes;
 }
 
+// What shows of a texel beside one label that shows, or with it.
+HWY_INLINE V partOf(M shows, V rest, V body) {
+  return hn::IfThenElse(shows, hn::Sub(all(1.0F), rest), hn::Mul(body, rest));
+}
+
 // The slopes where three labels or more lie around some place. `kSpread`: where one label alone
 // shows, they are those of its share.
 template <DeviceType kType, bool kSpread>
@@ -188,9 +204,16 @@ HWY_NOINLINE V3 slopesOfMany(const KernelFrame& frame, const Place& place,
   }
   if constexpr (kSpread) {
     const M is_one = hn::Eq(least, greatest);
+    V fullest = hn::Zero(F());
+    for (int i = 0; i < 64; ++i) {
+      const V share = hn::Sub(all(1.0F), othersShareOf<kType>(around.others.at(i)));
+      const M shows = hn::Gt(opacities.at(i), hn::Zero(F()));
+      fullest = hn::Max(fullest, hn::IfThenElseZero(shows, share));
+    }
+    const V body = bodyOf(fullest);
     for (int i = 0; i < 64; ++i) {
       const V one = opacities.at(i), rest = othersShareOf<kType>(around.others.at(i));
-      const V part = hn::IfThenElse(hn::Gt(one, hn::Zero(F())), hn::Sub(all(1.0F), rest), rest);
+      const V part = partOf(hn::Gt(one, hn::Zero(F())), rest, body);
       hn::Store(hn::IfThenElse(is_one, hn::Mul(opacity, part), one), F(), opacities.of[i]);
     }
   }
@@ -225,12 +248,20 @@ HWY_NOINLINE V3 labelSlopesAt(const KernelFrame& frame, const KernelBox& box, V3
     const V most = hn::Max(low, high);
     const M low_shows = hn::Gt(low, zero), high_shows = hn::Gt(high, zero);
     const M both = hn::And(hn::And(low_shows, high_shows), hn::Ne(least, greatest));
-    return sobelSlopes(place, [&](int i) {
+    const auto showsAt = [&](int i) {
       const M is_high = hn::Eq(labels.at(i), greatest);
+      return hn::Or(hn::And(is_high, high_shows), hn::AndNot(is_high, low_shows));
+    };
+    V fullest = zero;
+    for (int i = 0; i < 64; ++i) {
+      const V share = hn::Sub(all(1.0F), othersShareOf<kType>(around.others.at(i)));
+      fullest = hn::Max(fullest, hn::IfThenElseZero(showsAt(i), share));
+    }
+    const V body = bodyOf(fullest);
+    return sobelSlopes(place, [&](int i) {
       const V rest = othersShareOf<kType>(around.others.at(i));
-      const M shows = hn::Or(hn::And(is_high, high_shows), hn::AndNot(is_high, low_shows));
-      const V part = hn::IfThenElse(shows, hn::Sub(all(1.0F), rest), rest);
-      return hn::IfThenElse(both, hn::IfThenElseZero(is_high, jump), hn::Mul(most, part));
+      const V steps = hn::IfThenElseZero(hn::Eq(labels.at(i), greatest), jump);
+      return hn::IfThenElse(both, steps, hn::Mul(most, partOf(showsAt(i), rest, body)));
     });
   } else {
     if (hn::AllTrue(F(), hn::Eq(jump, zero))) return {jump, jump, jump};

@@ -32,7 +32,7 @@ HWY_INLINE Numbers numbersAt(const KernelFrame& frame, const KernelBox& box, con
     return {both.mean, both.square};
   } else if constexpr (kShading == Shading::kShares) {
     const SharedLabel both = sharedLabelAt<kType>(frame, box, place);
-    return {both.label, both.share};
+    return {both.label, both.part};
   } else {
     const V value = frame.labels ? labelAt<kType>(box, place) : valueAt<kType>(box, place);
     return {value, value};
@@ -56,10 +56,10 @@ HWY_INLINE Color shadedSample(const KernelFrame& frame, const KernelBox& box, co
   return shaded(frame, box, at, color, gradientOf(box, slopes), frame.flat);
 }
 
-// The colour of a label that a share of the finest voxels has, see label_shares.h.
+// The colour of a label of which a part shows, see label_shares.h.
 template <DeviceType kType>
 HWY_INLINE Color sharedColorOf(const KernelFrame& frame, const KernelBox& box, const V3& at,
-                               const Place& place, V label, V share, V ray_length) {
+                               const Place& place, V label, V part, V ray_length) {
   const V entry = entryOf(frame, label);
   Gradient gradient{};
   if (frame.rows > 0)
@@ -69,8 +69,6 @@ HWY_INLINE Color sharedColorOf(const KernelFrame& frame, const KernelBox& box, c
   if (frame.rows > 0)
     a = hn::Mul(a, factorAt(frame, hn::Mul(gradient.unit, hn::Sqrt(gradient.squared)), entry));
   const V whole = corrected(a, all(box.texel_length));
-  const V part = hn::Min(hn::Max(hn::MulAdd(all(2.0F), share, all(-0.5F)), hn::Zero(F())),
-                         all(1.0F));
   a = corrected(hn::Mul(whole, part),
                 hn::Mul(ray_length, all(frame.slice_length / box.texel_length)));
   const Color color{hn::Mul(one.r, a), hn::Mul(one.g, a), hn::Mul(one.b, a), a};

@@ -172,15 +172,15 @@ TEST_F(SharesTest, giveThePictureOfPlainLoops) {
       }
 }
 
-// A share of s shows as clamp(2 s - 1/2, 0, 1) of a whole voxel's opacity: n voxels let
-// (1 - part * opacity)^n through.
+// Of voxels of a label with a share, n let (1 - part * opacity)^n through; the part is the share
+// itself up to one half, and closer to a step the fuller they are.
 TEST_F(SharesTest, theOpacityIsThatOfTheShareOfAVoxel) {
   PlainDevice plain;
   for (Device* device : {device_.get(), static_cast<Device*>(&plain)})
     for (const Projection projection : {Projection::kOrtho, Projection::kPerspective})
       for (const double side : {1.0, 2.0})
         for (const auto& [share, part] :
-             {std::pair{0.2, 0.0}, {0.4, 0.3}, {0.6, 0.7}, {0.8, 1.0}}) {
+             {std::pair{0.2, 0.2}, {0.5, 0.5}, {0.6, 0.64}, {0.8, 1.0}}) {
           FrameSetup setup = setupOf({projection, false, true}, DeviceType::kF32);
           LookUp look_up = *setup.look_up;
           const auto with = [&](double opacity, double texel_share, bool has_shares) {
@@ -194,7 +194,7 @@ TEST_F(SharesTest, theOpacityIsThatOfTheShareOfAVoxel) {
           };
           const double voxel = part * (1 - std::pow(1 - 0.25, side));
           const Picture expected = with(1 - std::pow(1 - voxel, 1 / side), 1, false);
-          EXPECT_EQ(mostOpacity(expected) > 0.2, part > 0);
+          EXPECT_GT(mostOpacity(expected), 0.2);
           EXPECT_LT(worstOf(with(0.25, share, true), expected), 1)
               << device->backend() << ' ' << share << ' ' << side;
         }
@@ -267,8 +267,8 @@ TEST_F(SharesTest, aBallIsAsLargeInCoarseVoxels) {
         coarse_area += coarse.rgba[i];
         off += std::abs(fine.rgba[i] - coarse.rgba[i]);
       }
-      EXPECT_NEAR(coarse_area / area, 1, factor == 2 ? 0.01 : 0.04) << opacity << ' ' << factor;
-      EXPECT_LT(off / area, factor == 2 ? 0.03 : 0.07) << opacity << ' ' << factor;
+      EXPECT_NEAR(coarse_area / area, 1, factor == 2 ? 0.015 : 0.04) << opacity << ' ' << factor;
+      EXPECT_LT(off / area, factor == 2 ? 0.035 : 0.09) << opacity << ' ' << factor;
     }
 }
 

@@ -362,7 +362,7 @@ void PlainDevice::take(const Ray& ray, const BoxDraw& box, const ChunkTexels& ch
     const auto opacityOf = [&](double one) {
       if (!shown) return 1 - std::pow(1 - one * factor, lengths);
       const Vec3d scale = box.texels.scale;
-      return sharedOpacity(one * factor, shown->share, lengths,
+      return sharedOpacity(one * factor, shown->part, lengths,
                            std::pow(scale.x * scale.y * scale.z, -1.0 / 3));
     };
     double opacity = opacityOf(rgba[3]);

@@ -78,6 +78,10 @@ double spreadAt(const ChunkTexels& chunk, Vec3d at) {
 
 namespace {
 
+double othersShareAt(const ChunkTexels& chunk, Vec3i texel) {
+  return std::clamp(texelAt(chunk, texel, 1) / wholeShare(chunk.type), 0.0, 1.0);
+}
+
 // The label with the greatest weight among the texels around that count, which these are.
 template <class Counts>
 double heaviestAt(const ChunkTexels& chunk, Vec3d at, const Counts& counts) {
@@ -112,16 +116,25 @@ ShownLabel shownLabelAt(const ChunkTexels& chunk, const LookUp& look_up, Vec3d a
   const auto shows = [&](double label) {
     return label >= kNoNumber && lookedUp(look_up, label, false)[3] > 0;
   };
+  double fullest = 0;
+  for (int64_t corner = 0; corner < 8; ++corner) {
+    const Vec3i texel{static_cast<int64_t>(std::floor(at.x)) + corner % 2,
+                      static_cast<int64_t>(std::floor(at.y)) + corner / 2 % 2,
+                      static_cast<int64_t>(std::floor(at.z)) + corner / 4};
+    if (shows(texelAt(chunk, texel))) fullest = std::max(fullest, 1 - othersShareAt(chunk, texel));
+  }
+  const double body = std::clamp(4 * fullest - 2, 0.0, 1.0);
   const double share = interpolated(at, [&](Vec3i texel) {
-    const double others = std::clamp(texelAt(chunk, texel, 1) / wholeShare(chunk.type), 0.0, 1.0);
-    return shows(texelAt(chunk, texel)) ? 1 - others : others;
+    const double others = othersShareAt(chunk, texel);
+    return shows(texelAt(chunk, texel)) ? 1 - others : body * others;
   });
-  return {heaviestAt(chunk, at, shows), share};
+  return {heaviestAt(chunk, at, shows),
+          (1 - body) * share + body * std::clamp(2 * share - 0.5, 0.0, 1.0)};
 }
 
-double sharedOpacity(double opacity, double share, double lengths, double voxel) {
+double sharedOpacity(double opacity, double part, double lengths, double voxel) {
   const double whole = 1 - std::pow(1 - opacity, voxel);
-  return 1 - std::pow(1 - std::clamp(2 * share - 0.5, 0.0, 1.0) * whole, lengths / voxel);
+  return 1 - std::pow(1 - part * whole, lengths / voxel);
 }
 
 Vec3d labelSlopesAt(const ChunkTexels& chunk, const LookUp& look_up, Vec3d at) {
@@ -139,12 +152,16 @@ Vec3d labelSlopesAt(const ChunkTexels& chunk, const LookUp& look_up, Vec3d at) {
     opacities[i] = label < kNoNumber ? 0.0 : lookedUp(look_up, label, false)[3];
     if (opacities[i] > 0) shown[label] = opacities[i];
   }
-  if (chunk.has_spread && shown.size() == 1)
+  if (chunk.has_spread && shown.size() == 1) {
+    double fullest = 0;
+    for (size_t i = 0; i < opacities.size(); ++i)
+      if (opacities[i] > 0) fullest = std::max(fullest, 1 - othersShareAt(chunk, texelOf(i)));
+    const double body = std::clamp(4 * fullest - 2, 0.0, 1.0);
     for (size_t i = 0; i < opacities.size(); ++i) {
-      const double others =
-          std::clamp(texelAt(chunk, texelOf(i), 1) / wholeShare(chunk.type), 0.0, 1.0);
-      opacities[i] = shown.begin()->second * (opacities[i] > 0 ? 1 - others : others);
+      const double others = othersShareAt(chunk, texelOf(i));
+      opacities[i] = shown.begin()->second * (opacities[i] > 0 ? 1 - others : body * others);
     }
+  }
   const auto opacityOf = [&](Vec3i texel) {
     const Vec3i way = texel - first;
     return opacities.at(static_cast<size_t>(way.x + 4 * way.y + 16 * way.z));

@@ -22,20 +22,19 @@ double spreadAt(const ChunkTexels& chunk, Vec3d at);
 // The value with the greatest weight among the eight texels around; of two with the same weight,
 // the greater.
 double labelAt(const ChunkTexels& chunk, Vec3d at);
-// The same among the labels that show, and the share of the finest voxels that show, see
-// label_shares.h; any label, and what the hidden ones leave, if none shows. Requires: the chunk has
-// shares.
+// The same among the labels that show, and the part of a whole voxel's opacity that shows, see
+// label_shares.h; any label if none shows. Requires: the chunk has shares.
 struct ShownLabel {
-  double label = 0, share = 0;
+  double label = 0, part = 0;
 };
 ShownLabel shownLabelAt(const ChunkTexels& chunk, const LookUp& look_up, Vec3d at);
 // The opacity of a sample of `lengths` unit lengths in voxels of `voxel` unit lengths, from that of
-// one unit length. `share`: of the finest voxels that show.
-double sharedOpacity(double opacity, double share, double lengths, double voxel);
+// one unit length.
+double sharedOpacity(double opacity, double part, double lengths, double voxel);
 
 // The change of the labels' opacity of a unit length from texel to texel along each axis there: the
-// slope of Sobel's operator at the eight texels around, trilinear. In a chunk with shares, where one
-// label alone shows in the 4 x 4 x 4 texels around, of its opacity times the share that shows.
+// slope of Sobel's operator at the eight texels around, trilinear. In a chunk with shares, where
+// one label alone shows in the 4 x 4 x 4 texels around, of its opacity times the share that shows.
 Vec3d labelSlopesAt(const ChunkTexels& chunk, const LookUp& look_up, Vec3d at);
 
 // The table's entry of a device value, interpolated between two entries if it interpolates.

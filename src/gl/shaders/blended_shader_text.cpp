@@ -34,10 +34,10 @@ void addSample(int k, float ray_length, inout vec4 total, inout float clear) {
   vec3 at = first + float(k - first_k) * along;
 #if LABELS
   vec2 both = labelAt(at);
-  float share = both.g;
+  float part = both.g;
 #else
   vec2 both = texelAt(at);
-  const float share = 1.0;
+  const float part = 1.0;
 #endif
   float value = both.r;
 #if FLOATS
@@ -56,7 +56,7 @@ void addSample(int k, float ray_length, inout vec4 total, inout float clear) {
   const float voxel_lengths = 1.0;
 #endif
   float entry = entryOf(value);
-  vec4 color = shownColor(entryColor(value, entry), value, share, entry, at, ray_length,
+  vec4 color = shownColor(entryColor(value, entry), value, part, entry, at, ray_length,
                           voxel_lengths, vec3(0.0));
   total += color;
   clear *= 1.0 - color.a;

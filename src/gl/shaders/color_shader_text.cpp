@@ -231,34 +231,38 @@ vec4 entryColor(float value, float entry) {
 #if SHARES
 uniform float share_unit;    // 1 / the second number of a texel none of which has the label
 #endif
-// The opacity of a unit length of a texel's label; and, if chunks have shares, the share of what
-// shows if this label or another beside it does.
+// The opacity of a unit length of a texel's label; and, if chunks have shares, the label's share.
 vec2 shownOf(vec2 both) {
-  float opacity = entryColor(both.r, entryOf(both.r)).a;
 #if SHARES
-  float rest = clamp(both.g * share_unit, 0.0, 1.0);
-  return vec2(opacity, opacity > 0.0 ? 1.0 - rest : rest);
+  float share = 1.0 - clamp(both.g * share_unit, 0.0, 1.0);
 #else
-  return vec2(opacity, 1.0);
+  const float share = 1.0;
 #endif
+  return vec2(entryColor(both.r, entryOf(both.r)).a, share);
 }
-// The label of a sample, see LookUp; and, if chunks have shares, the share of what shows, see
-// label_shares.h.
+// How much of a body a label is, from the greatest share of it around.
+float bodyOf(float fullest) { return clamp(4.0 * fullest - 2.0, 0.0, 1.0); }
+// The label of a sample, see LookUp; and, if chunks have shares, the part that shows of a whole
+// voxel's opacity, see label_shares.h.
 vec2 labelAt(vec3 at) {
   const float kTie = 1e-3;
   Corners c = cornersAt(at);
   float values[8];
   float weights[8];
-  float share = 0.0;
+  float share = 0.0, left = 0.0, fullest = 0.0;
   for (int i = 0; i < 8; ++i) {
     vec2 both = texelOf(c, i);
     values[i] = both.r;
     weights[i] = weightOf(c, i);
 #if SHARES
     vec2 shown = shownOf(both);
-    share += weights[i] * shown.y;
-    // Below what any label that shows has together: those win.
-    if (!(shown.x > 0.0)) weights[i] = -2.0;
+    if (shown.x > 0.0) {
+      share += weights[i] * shown.y;
+      fullest = max(fullest, shown.y);
+    } else {
+      left += weights[i] * (1.0 - shown.y);
+      weights[i] = -2.0;  // below what any label that shows has together: those win
+    }
 #endif
   }
   float best = values[0], most = -1.0;
@@ -270,16 +274,18 @@ vec2 labelAt(vec3 at) {
       most = weight;
     }
   }
-  return vec2(best, share);
+  float body = bodyOf(fullest);
+  share += body * left;
+  return vec2(best, mix(share, clamp(2.0 * share - 0.5, 0.0, 1.0), body));
 }
 #endif
 
 #if SHARES
-// The opacity of a sample of a label that a share of the finest voxels has, see label_shares.h.
-float sharedOpacity(float opacity, float share, float lengths) {
+// The opacity of a sample of a label of which a part shows, see label_shares.h.
+float sharedOpacity(float opacity, float part, float lengths) {
   float texel_length = pow(TEXEL_SCALE.x * TEXEL_SCALE.y * TEXEL_SCALE.z, -1.0 / 3.0);
   float whole = corrected(opacity, texel_length);
-  return corrected(whole * clamp(2.0 * share - 0.5, 0.0, 1.0), lengths / texel_length);
+  return corrected(whole * part, lengths / texel_length);
 }
 #endif
 
@@ -287,28 +293,30 @@ float sharedOpacity(float opacity, float share, float lengths) {
 vec2 storedAt(ivec3 texel) {
   return texelFetch(chunk, clamp(texel, ivec3(0), textureSize(chunk, 0) - 1), 0).rg;
 }
-// The opacity of the one label that shows in the 4 x 4 x 4 texels around a cell; 0: none does, or
-// several do, or chunks have no shares.
-float soleOpacity(ivec3 cell) {
-  float opacity = 0.0;
+// The opacity of the one label that shows in the 4 x 4 x 4 texels around a cell, and how much of a
+// body it is; 0: none does, or several do, or chunks have no shares.
+vec2 soleBody(ivec3 cell) {
+  float opacity = 0.0, fullest = 0.0;
 #if SHARES
   float least = 3e38, greatest = -3e38;
   for (int i = 0; i < 64; ++i) {
     vec2 both = storedAt(cell + ivec3(i % 4, i / 4 % 4, i / 16) - 1);
-    float one = shownOf(both).x;
-    if (one > 0.0) {
+    vec2 shown = shownOf(both);
+    if (shown.x > 0.0) {
       least = min(least, both.r);
       greatest = max(greatest, both.r);
-      opacity = one;
+      opacity = shown.x;
+      fullest = max(fullest, shown.y);
     }
   }
   if (least < greatest) opacity = 0.0;
 #endif
-  return opacity;
+  return vec2(opacity, bodyOf(fullest));
 }
-float opacityAt(ivec3 texel, float sole) {
+float opacityAt(ivec3 texel, vec2 sole) {
   vec2 shown = shownOf(storedAt(texel));
-  return sole > 0.0 ? sole * shown.y : shown.x;
+  if (!(sole.x > 0.0)) return shown.x;
+  return sole.x * (shown.x > 0.0 ? shown.y : sole.y * (1.0 - shown.y));
 }
 // Sobel's weights of four texels along an axis, for the slope along it and a mean across it.
 vec4 slopeWeights(float part) { return 0.5 * vec4(part - 1.0, -part, 1.0 - part, part); }
@@ -323,7 +331,7 @@ vec3 labelSlopes(vec3 at) {
   vec4 slope_x = slopeWeights(part.x), slope_y = slopeWeights(part.y);
   vec4 mean_x = meanWeights(part.x), mean_y = meanWeights(part.y);
   vec4 planes_x, planes_y, planes_z;
-  float sole = soleOpacity(ivec3(low));
+  vec2 sole = soleBody(ivec3(low));
   for (int k = 0; k < 4; ++k) {
     vec4 slopes, means;
     for (int j = 0; j < 4; ++j) {
@@ -344,10 +352,10 @@ vec3 labelSlopes(vec3 at) {
 #endif
 
 #if COMBINING == 0
-// The colour of a composite sample, premultiplied: `color` is that of its look-up. `share`: of the
-// label. `ray_length`: slices from sample to sample; `voxel_lengths`: the same in unit lengths, for
+// The colour of a composite sample, premultiplied: `color` is that of its look-up. `part`: of
+// the label that shows. `ray_length`: slices from sample to sample; `voxel_lengths`: the same in unit lengths, for
 // gradient factors and labels.
-vec4 shownColor(vec4 color, float value, float share, float entry, vec3 at, float ray_length,
+vec4 shownColor(vec4 color, float value, float part, float entry, vec3 at, float ray_length,
                 float voxel_lengths, vec3 light_at) {
 #if GRADIENTS
 #if LABELS && GRADIENT_ROWS == 0
@@ -371,7 +379,7 @@ vec4 shownColor(vec4 color, float value, float share, float entry, vec3 at, floa
   factor = factorOf(unit * sqrt(squared), entry);
 #endif
 #if SHARES
-  color.a = sharedOpacity(color.a * factor, share, voxel_lengths);
+  color.a = sharedOpacity(color.a * factor, part, voxel_lengths);
   color.rgb *= color.a;
 #elif GRADIENT_ROWS > 0 || LABELS
   color.a = corrected(color.a * factor, voxel_lengths);

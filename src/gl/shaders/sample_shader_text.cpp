@@ -152,11 +152,11 @@ void main() {
     color = vec4(0.0);
 #elif COMBINING == 0
 #if LABELS
-    float share = label.g;
+    float part = label.g;
 #else
-    const float share = 1.0;
+    const float part = 1.0;
 #endif
-    color = shownColor(color, value, share, entry, at, ray_length, voxel_lengths,
+    color = shownColor(color, value, part, entry, at, ray_length, voxel_lengths,
                        LIGHT_AT(float(k)));
 #endif
 #if COMBINING == 0

@@ -82,7 +82,8 @@ constexpr const char* kOfChannels[] = {
     "weightOf",      "labelSlopes",     "opacityAt",        "slopeWeights",
     "meanWeights",   "texel_scale",     "share_unit",       "expected",
     "expected_line", "expectedColor",   "spreadShareAt",    "expected_length",
-    "sharedOpacity", "shownOf",         "soleOpacity",      "storedAt"};
+    "sharedOpacity", "shownOf",         "soleBody",         "storedAt",
+    "bodyOf"};
 
 // The text of one channel: the same as that of a single one, with names of its own.
 std::string channelText(const ShaderVariant& variant, size_t channel) {
