@@ -16,8 +16,10 @@ extern const char* const kRayText;         // jitterAt(pixel), sliceAt(t, step),
 extern const char* const kIntervalText;    // ivec2 slices(origin, step)
 extern const char* const kPlanesText;      // ivec2 planes(pixel, ...): the same of voxel planes
 extern const char* const kOutputsText;     // what is written beside the colour; cued(color, slice)
-extern const char* const kTexelText;       // the values, gradients, labels and spreads of a place
-extern const char* const kColorText;       // the colour of a sample: factors, light
+extern const char* const kTexelText;       // the values, gradients and spreads of a place
+extern const char* const kColorText;       // the look-up, factors, light
+extern const char* const kLabelText;  // the labels of a place, what shows of them, their slopes
+extern const char* const kShownColorText;  // the colour of a sample
 extern const char* const kSurfaceText;     // surfaces where values pass a level
 extern const char* const kSampleText;      // main: looks up, lights and blends the samples
 extern const char* const kCountText;       // main: how many samples there are

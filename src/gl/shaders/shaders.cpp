@@ -94,7 +94,7 @@ std::string channelText(const ShaderVariant& variant, size_t channel) {
     after += fmt::format("#undef {}\n", name);
   }
   return text + kBoxInputsText + kReadBoxText + kIntervalText + kTexelText + kColorText +
-         kChannelText + after;
+         kLabelText + kShownColorText + kChannelText + after;
 }
 
 }  // namespace
@@ -107,9 +107,9 @@ std::string vertexShader(const ShaderVariant& variant) {
 std::string fragmentShader(const ShaderVariant& variant) {
   return kVersion + definitions(variant) + "#define FLAT flat in\n" + kViewInputsText +
          kBoxInputsText + kRayText + kIntervalText + kPlanesText +
-         (variant.counts
-              ? std::string(kCountText)
-              : kOutputsText + std::string(kTexelText) + kColorText + kSurfaceText + kSampleText);
+         (variant.counts ? std::string(kCountText)
+                         : kOutputsText + std::string(kTexelText) + kColorText + kLabelText +
+                               kShownColorText + kSurfaceText + kSampleText);
 }
 
 std::string blendedVertexShader(const BlendedVariant& variant) {
