@@ -125,8 +125,8 @@ std::vector<OptionEntry> pictureEntries() {
                               .kind = bare_share,
                               .value = "SHARE",
                               .help = "Matter casts shadows in the key light of lit pictures; "
-                                      "SHARE, 0 to 1, is the part of "
-                                      "that light taken away (1)",
+                                      "--shadows=SHARE, 0 to 1, takes "
+                                      "that part of the light away (1)",
                               .is_printed = mayBeLit}),
       in(&Lighting::occlusion, {.key = "occlusion_light",
                                 .option = "--occlusion-light",
@@ -138,21 +138,23 @@ std::vector<OptionEntry> pictureEntries() {
                                 .kind = bare_share,
                                 .value = "SHARE",
                                 .help = "Matter around a place keeps other light away from it "
-                                        "(ambient occlusion); SHARE, 0 to "
-                                        "1, is the part kept away (1)",
+                                        "(ambient occlusion); "
+                                        "--occlusion-light=SHARE, 0 to "
+                                        "1, keeps that part away (1)",
                                 .is_printed = mayBeLit}),
-      in(&Lighting::depth_cueing, {.key = "depth_cueing",
-                                   .option = "--depth-cueing",
-                                   .heading = kLightHeading,
-                                   .is_light = true,
-                                   .is_rare = true,
-                                   .turn = 53,
-                                   .kind = bare_share,
-                                   .value = "SHARE",
-                                   .help = "Darkens distant parts, lit or not; SHARE, 0 to 1, is "
-                                           "how much the farthest visible part "
-                                           "is darkened (1: black)",
-                                   .is_printed = hasColors}),
+      in(&Lighting::depth_cueing,
+         {.key = "depth_cueing",
+          .option = "--depth-cueing",
+          .heading = kLightHeading,
+          .is_light = true,
+          .is_rare = true,
+          .turn = 53,
+          .kind = bare_share,
+          .value = "SHARE",
+          .help = "Darkens distant parts, lit or not, the farthest visible "
+                  "part by all; --depth-cueing=SHARE, 0 to 1, "
+                  "by that share",
+          .is_printed = hasColors}),
       in(&Picture::crop,
          {.key = "crop",
           .option = "--crop",
