@@ -95,7 +95,8 @@ double heaviestAt(const ChunkTexels& chunk, Vec3d at, const Counts& counts) {
       chunk, {static_cast<int64_t>(std::floor(at.x)), static_cast<int64_t>(std::floor(at.y)),
               static_cast<int64_t>(std::floor(at.z))});
   double most = -1;
-  for (const auto& [label, unused] : weights) {
+  for (const auto& entry : weights) {
+    const double label = entry.first;
     const double weight =
         interpolated(at, [&](Vec3i texel) { return texelAt(chunk, texel) == label ? 1.0 : 0.0; });
     if (weight > most - kLabelTie) {
