@@ -35,7 +35,7 @@ HWY_INLINE V othersShareOf(V number) {
   return hn::Min(hn::Max(hn::Mul(number, unit), hn::Zero(F())), all(1.0F));
 }
 
-// How much of a body a label is, from the greatest share of it around.
+// The measure of a body that a label is, 0 to 1, from the greatest share of it around.
 HWY_INLINE V bodyOf(V fullest) {
   return hn::Min(hn::Max(hn::MulAdd(all(4.0F), fullest, all(-2.0F)), hn::Zero(F())), all(1.0F));
 }
@@ -182,7 +182,7 @@ HWY_INLINE V3 sobelSlopes(const Place& place, const NumberOf& number_of) {
   return slopes;
 }
 
-// What shows of a texel beside one label that shows, or with it.
+// The share of a texel that shows where one label alone does: its own, or what a hidden label leaves.
 HWY_INLINE V partOf(M shows, V rest, V body) {
   return hn::IfThenElse(shows, hn::Sub(all(1.0F), rest), hn::Mul(body, rest));
 }

@@ -1,13 +1,13 @@
-// How labels look in coarse voxels, each of which has its most frequent label and that label's
+// The look of labels in coarse voxels, each of which has its most frequent label and that label's
 // share of the finest voxels in it (ChunkTexels).
 //
 // A label that shows nothing, of opacity 0, does not compete for a sample: the sample takes the
 // label of the greatest weight among those of the eight texels around it that show. `share` is what
 // the shown labels have there,
 //   sum of weight * (the texel's label shows ? its share : body * (1 - its share)).
-// What a hidden label leaves of a voxel belongs to the body beside it; without that, the outer
-// voxels of a body, less than half of which it fills, would be holes around it. A label is as much
-// of a body as it fills the fullest of the eight texels that show:
+// The rest of a voxel, which a hidden label leaves, belongs to the body beside it; without that,
+// the outer voxels of a body, less than half of which it fills, would be holes around it. A label
+// is as much of a body as it fills the fullest of the eight texels that show:
 //   body = clamp(4 * the greatest share of them - 2, 0, 1).
 // A plate or a vessel that fills half of each voxel at the most is none. What hidden labels leave
 // beside it may be another hidden label's.

@@ -79,7 +79,7 @@ TEST(AtomicFile, aNameMayBeAsLongAsTheFileSystemAllows) {
     file.commit();
     EXPECT_EQ(readFile(path), "new");
   }
-  // Of characters of two bytes, the second of which begins where the name is cut.
+  // The characters have two bytes, and one of them begins where the name is cut.
   for (const char* first : {"", "a"}) {
     std::string name = first;
     while (name.size() + 2 <= kLongest) name += "\u00e9";

@@ -96,19 +96,23 @@ FrameSetup setupOf(const Seen& seen, DeviceType type) {
   return setup;
 }
 
-Picture drawOn(Device& device, const FrameSetup& setup, const ChunkTexelsPtr& chunk,
-               Vec3d scale = {1, 1, 1}) {
+Picture drawBox(Device& device, const FrameSetup& setup, const ChunkTexelsPtr& chunk, Vec3i dims,
+                Vec3d scale, Vec3d offset) {
   BoxDraw box;
   box.chunk = 1;
-  box.cells = boxOf(kDims - Vec3i{1, 1, 1});
+  box.cells = boxOf(dims - Vec3i{1, 1, 1});
   box.texels.scale = scale;
-  box.texels.offset = (Vec3d{1, 1, 1} - scale) * 3.0;
+  box.texels.offset = offset;
   device.makeResident(1, chunk);
   device.beginFrame(setup);
   device.draw({&box, 1});
   Picture picture = device.endFrame();
   device.evict(1);
   return picture;
+}
+Picture drawOn(Device& device, const FrameSetup& setup, const ChunkTexelsPtr& chunk,
+               Vec3d scale = {1, 1, 1}) {
+  return drawBox(device, setup, chunk, kDims, scale, (Vec3d{1, 1, 1} - scale) * 3.0);
 }
 
 double worstOf(const Picture& a, const Picture& b) {
@@ -142,7 +146,8 @@ class SharesTest : public testing::Test {
   static inline std::unique_ptr<Device> device_;
 };
 
-// Where a label is hidden, shares make a smooth edge; else whole labels are the labels alone.
+// Shares make a smooth edge beside a hidden label; where all show, whole labels are the labels
+// alone.
 TEST_F(SharesTest, ofOneAreThePictureOfLabelsThatAllShow) {
   const auto whole = [](int64_t i) { return Texel{std::max(1, patchAt(i).label), 1}; };
   for (const DeviceType type : kTypes)
@@ -172,8 +177,8 @@ TEST_F(SharesTest, giveThePictureOfPlainLoops) {
       }
 }
 
-// Of voxels of a label with a share, n let (1 - part * opacity)^n through; the part is the share
-// itself up to one half, and closer to a step the fuller they are.
+// A ray through n voxels of a label with a share keeps (1 - part * opacity)^n; the part is the
+// share itself up to one half, and closer to a step the fuller they are.
 TEST_F(SharesTest, theOpacityIsThatOfTheShareOfAVoxel) {
   PlainDevice plain;
   for (Device* device : {device_.get(), static_cast<Device*>(&plain)})
@@ -213,7 +218,7 @@ struct Ball {
   }
 };
 
-// The opacities of a ball's picture from above one pixel a voxel.
+// The picture of the ball in voxels of level 0 (`factor` 1), or in coarse ones.
 Picture ballPicture(Device& device, int64_t factor, double opacity) {
   VolumeLayout layout;
   layout.dims = {Ball::kSide, Ball::kSide, Ball::kSide};
@@ -240,18 +245,9 @@ Picture ballPicture(Device& device, int64_t factor, double opacity) {
   auto chunk = std::make_shared<ChunkTexels>(
       *chunkTexels({side, side, side}, DeviceType::kF32, {bytes.begin(), bytes.end()}));
   chunk->has_spread = factor > 1;
-  BoxDraw box;
-  box.chunk = 1;
-  box.cells = boxOf({Ball::kSide - 1, Ball::kSide - 1, Ball::kSide - 1});
   const double scale = 1 / static_cast<double>(factor);
-  box.texels.scale = {scale, scale, scale};
-  box.texels.offset = Vec3d{1, 1, 1} * ((scale - 1) / 2);
-  device.makeResident(1, chunk);
-  device.beginFrame(setup);
-  device.draw({&box, 1});
-  Picture picture = device.endFrame();
-  device.evict(1);
-  return picture;
+  return drawBox(device, setup, chunk, layout.dims, {scale, scale, scale},
+                 Vec3d{1, 1, 1} * ((scale - 1) / 2));
 }
 
 // A coarse ball is as large as the fine one, and as opaque, though each voxel has one label:

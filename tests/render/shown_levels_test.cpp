@@ -127,8 +127,8 @@ double specks(Vec3i v, int seed) {
   return number % 4001 == 0 ? 250 : 10;
 }
 
-// What a level's voxels show in a region because of this hull: those that stand for some of it, and
-// the cells on both sides of them that interpolate them.
+// The cells of a level that show something in a region because of this hull: the voxels that stand
+// for some of it are interpolated in the cells on both sides of them.
 Box3 reachOf(const Box3& hull, const LevelLayout& level, const Box3& region) {
   if (hull.empty()) return {};
   Box3 reach;

@@ -96,7 +96,7 @@ class TurnedChannels {
   }
 
  private:
-  // What all channels show together, which frames keep while it stays the same.
+  // The blocks that all channels show together, which frames keep while they stay the same.
   struct Together {
     std::vector<VisibleBlocksPtr> visible;
     TexturePlanPtr all;

@@ -8,7 +8,7 @@
 
 namespace sluice {
 
-// Where the numbers of a row of blocks go, one of each kind a block.
+// The places for the numbers of a row of blocks, one of each kind a block.
 struct ByteBlocks {
   int32_t* sums = nullptr;     // of the eight bytes
   int32_t* squares = nullptr;  // the sum of their squares

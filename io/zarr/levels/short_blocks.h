@@ -7,7 +7,7 @@
 
 namespace sluice {
 
-// Where the numbers of a row of blocks go, one of each kind a block. T: uint16_t or int16_t.
+// The places for the numbers of a row of blocks, one of each kind a block. T: uint16_t or int16_t.
 template <class T>
 struct ShortBlocks {
   int32_t* sums = nullptr;      // of the eight voxels

@@ -16,7 +16,7 @@ vec2 shownOf(vec2 both) {
 #endif
   return vec2(entryColor(both.r, entryOf(both.r)).a, share);
 }
-// How much of a body a label is, from the greatest share of it around.
+// The measure of a body that a label is, 0 to 1, from the greatest share of it around.
 float bodyOf(float fullest) { return clamp(4.0 * fullest - 2.0, 0.0, 1.0); }
 // The label of a sample, see LookUp; and, if chunks have shares, the part that shows of a whole
 // voxel's opacity, see label_shares.h.

@@ -1,6 +1,6 @@
-// How the channels of a picture share it: the options of each channel's frames, and each one's part
-// of the memory. Scenes, plans and the simulator take them from here, so that a plan is that of the
-// picture. Pure functions.
+// The shares that channels have in a picture: the options of each channel's frames, and each one's
+// part of the memory. Scenes, plans and the simulator take them from here, so that a plan is that
+// of the picture. Pure functions.
 #pragma once
 
 #include <cstdint>

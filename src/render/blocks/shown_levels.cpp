@@ -139,9 +139,9 @@ const Box3& ShownLevels::hullOf(int level, Vec3i index) {
   return hull;
 }
 
-// Of the parts that reach beyond the hull so far, the one that reaches farthest is looked at first,
-// and the search ends when none is left. So few blocks of a surface are ever looked at, and the
-// inside of a body never is.
+// The part that reaches farthest beyond the hull so far is looked at first, and the search ends
+// when no part reaches beyond it. So few blocks of a surface are ever looked at, and the inside of
+// a body never is.
 void ShownLevels::reachFace(int level, Vec3i index, int axis, Face face, Box3& hull) {
   struct Part {
     int64_t reach = 0;  // how far its region reaches towards the face
