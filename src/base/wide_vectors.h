@@ -7,12 +7,13 @@
 namespace sluice {
 
 #if defined(__x86_64__)
-namespace internal {
-
+// Whether the processor has them.
 inline bool hasWideVectors() {
   static const bool has = __builtin_cpu_supports("avx2") != 0;
   return has;
 }
+
+namespace internal {
 
 // Everything that is called in it is compiled into it as far as its source is seen.
 template <class Call>
@@ -25,7 +26,7 @@ template <class Call>
 // Calls `call`, compiled for wide vectors if the processor has them; the results are the same.
 template <class Call>
 void inWideVectors(const Call& call) {
-  if (internal::hasWideVectors())
+  if (hasWideVectors())
     internal::runWide(call);
   else
     call();

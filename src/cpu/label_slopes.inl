@@ -182,7 +182,8 @@ HWY_INLINE V3 sobelSlopes(const Place& place, const NumberOf& number_of) {
   return slopes;
 }
 
-// The share of a texel that shows where one label alone does: its own, or what a hidden label leaves.
+// The share of a texel that shows where one label alone does: its own, or what a hidden label
+// leaves to it.
 HWY_INLINE V partOf(M shows, V rest, V body) {
   return hn::IfThenElse(shows, hn::Sub(all(1.0F), rest), hn::Mul(body, rest));
 }

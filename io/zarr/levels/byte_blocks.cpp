@@ -212,11 +212,11 @@ struct BlockNumbers {
 
 int64_t makeByteBlocks(const std::array<const uint8_t*, 4>& rows, int64_t blocks,
                        const ByteBlocks& to) {
-  return internal::hasWideVectors() ? makeWide(rows, blocks, to) : 0;
+  return hasWideVectors() ? makeWide(rows, blocks, to) : 0;
 }
 int64_t makeTwoLevelsOfBytes(const std::array<const uint8_t*, 16>& rows, int64_t blocks,
                              const TwoLevelsOfBytes& to) {
-  return internal::hasWideVectors() ? makeTwoWide(rows, blocks, to) : 0;
+  return hasWideVectors() ? makeTwoWide(rows, blocks, to) : 0;
 }
 #else
 int64_t makeByteBlocks(const std::array<const uint8_t*, 4>& /*rows*/, int64_t /*blocks*/,

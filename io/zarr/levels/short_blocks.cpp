@@ -102,7 +102,7 @@ template <class T>
 template <class T>
 int64_t makeShortBlocks(const std::array<const T*, 4>& rows, int64_t blocks,
                         const ShortBlocks<T>& to) {
-  return internal::hasWideVectors() ? makeWide(rows, blocks, to) : 0;
+  return hasWideVectors() ? makeWide(rows, blocks, to) : 0;
 }
 #else
 template <class T>
