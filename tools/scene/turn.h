@@ -2,9 +2,14 @@
 // texture cache of each channel.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <vector>
 
+#include "src/library/requests.h"
+#include "src/render/camera/frame_options.h"
+#include "tools/command_line/outputs.h"
+#include "tools/options/arguments.h"
 #include "tools/scene/replay.h"
 
 namespace sluice {
