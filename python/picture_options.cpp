@@ -10,16 +10,20 @@
 #include <string_view>
 #include <utility>
 
+#include "src/options/option_rules.h"
 #include "src/options/option_table.h"
 #include "src/view/state/view_check.h"
 
 namespace sluice::python {
 namespace {
 
-std::string keywordOf(const OptionEntry& entry) {
-  std::string keyword(entry.option.substr(entry.option.find_first_not_of('-')));
+std::string keywordOf(std::string_view option) {
+  std::string keyword(option.substr(option.find_first_not_of('-')));
   std::replace(keyword.begin(), keyword.end(), '-', '_');
   return keyword;
+}
+std::string keywordOf(const OptionEntry& entry) {
+  return keywordOf(entry.option);
 }
 
 std::string printed(const py::handle& value) {
@@ -304,33 +308,23 @@ const OptionEntry* entryOf(const std::string& keyword) {
   return nullptr;
 }
 
-// Keywords of which a look takes one, as the command line has it.
-void requireOneLook(const py::kwargs& keywords) {
-  const auto given = [&](const char* keyword) {
-    return keywords.contains(keyword) && !keywords[keyword].is_none();
+// As the command line does, see option_rules.h.
+void requirePairs(const py::kwargs& keywords) {
+  const auto given = [&](const std::string& keyword) {
+    if (!keywords.contains(keyword.c_str())) return false;
+    const py::object value = keywords[keyword.c_str()];
+    return !value.is_none() && !value.is(py::bool_(false));
   };
-  constexpr std::pair<const char*, const char*> kApart[] = {{"threshold", "transfer"},
-                                                            {"threshold", "opacities"},
-                                                            {"threshold", "labels"},
-                                                            {"transfer", "labels"},
-                                                            {"opacities", "labels"},
-                                                            {"opacities", "opacity"},
-                                                            {"threshold", "label"},
-                                                            {"transfer", "label"},
-                                                            {"opacities", "label"},
-                                                            {"iso", "labels"},
-                                                            {"iso", "label"},
-                                                            {"iso", "labels_table"},
-                                                            {"transfer", "labels_table"},
-                                                            {"threshold", "labels_table"},
-                                                            {"opacities", "labels_table"}};
-  for (const auto& [one, other] : kApart)
+  for (const auto& pair : optionsApart()) {
+    const std::string one = keywordOf(pair.one), other = keywordOf(pair.other);
     if (given(one) && given(other))
       throw py::type_error(fmt::format("{} and {} do not go together", one, other));
-  if (given("eye") != given("target")) throw py::type_error("eye and target are given together");
-  for (const char* angle : {"view", "azimuth", "elevation", "fit"})
-    if (given("eye") && given(angle))
-      throw py::type_error(fmt::format("eye and {} do not go together", angle));
+  }
+  for (const auto& pair : optionNeeds()) {
+    const std::string one = keywordOf(pair.one), needed = keywordOf(pair.other);
+    if (given(one) && !given(needed))
+      throw py::type_error(fmt::format("{} requires {}", one, needed));
+  }
 }
 
 // The command line has a flag for the ramp over gradients and an option for where it ends; the
@@ -373,7 +367,7 @@ AskedPicture askedPicture(const py::kwargs& keywords, const VolumeInfo& volume) 
       failValue(keyword, fault->expected, fault->found);
     entry->set(state, taken_value);
   }
-  requireOneLook(keywords);
+  requirePairs(keywords);
   modulate(keywords, state.look);
   requireNoFault(faultOf(state));
   requireNoFault(faultOf(state, volume));

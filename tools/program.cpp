@@ -10,6 +10,7 @@
 #include "tools/command_line/interrupt.h"
 #include "tools/command_line/usage.h"
 #include "tools/manual/help_files.h"
+#include "tools/options/table_options.h"
 #include "tools/scene/ranks.h"
 
 namespace sluice {
@@ -108,6 +109,7 @@ CommandLine makeCommandLine() {
       Command command = add(program);
       CLI::App* made = program.get_subcommands(nullptr).back();
       made->group(title);
+      pairOptions(*made);
       if (hasShortHelp(*made))
         made->set_help_all_flag("--help-all", "Prints all options and exits");
       line.commands.emplace_back(made, std::move(command));

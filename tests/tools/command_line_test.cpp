@@ -341,6 +341,45 @@ TEST(CommandLine, refusesTwoLooksOfOneThing) {
   }
 }
 
+TEST(CommandLine, refusesOptionsThatDoNotGoTogether) {
+  const std::vector<std::vector<std::string>> apart = {
+      {"--threshold=4", "--transfer=a.json"},
+      {"--threshold=4", "--opacities=1:0,2:1"},
+      {"--opacities=1:0,2:1", "--opacity=0.5"},
+      {"--threshold=4", "--labels"},
+      {"--threshold=4", "--labels-table=a.txt"},
+      {"--threshold=4", "--label=1=red"},
+      {"--transfer=a.json", "--labels"},
+      {"--transfer=a.json", "--labels-table=a.txt"},
+      {"--transfer=a.json", "--label=1=red"},
+      {"--opacities=1:0,2:1", "--labels"},
+      {"--opacities=1:0,2:1", "--labels-table=a.txt"},
+      {"--opacities=1:0,2:1", "--label=1=red"},
+      {"--iso=3", "--labels"},
+      {"--iso=3", "--labels-table=a.txt"},
+      {"--iso=3", "--label=1=red"},
+      {"--shade", "--no-shade"},
+      {"--eye=9,9,9", "--target=0,0,0", "--view=front"},
+      {"--eye=9,9,9", "--target=0,0,0", "--azimuth=4"},
+      {"--eye=9,9,9", "--target=0,0,0", "--elevation=4"},
+      {"--eye=9,9,9", "--target=0,0,0", "--fit=volume"},
+      {"--level=1", "--pixel-error=2"},
+      {"--level=1", "--max-bytes=1M"},
+      {"--level=1", "--keep-thin"}};
+  for (const std::vector<std::string>& options : apart) {
+    std::vector<std::string> words{"render", "synth:cube", "-o", "a.png"};
+    words.insert(words.end(), options.begin(), options.end());
+    EXPECT_NE(complaint(words).find("excludes"), std::string::npos) << options.back();
+    words.pop_back();
+    EXPECT_EQ(complaint(words), "");
+  }
+  EXPECT_EQ(complaint({"render", "a", "-o", "b", "--transfer=a.json", "--opacities=1:0,2:1"}), "");
+  for (const char* alone : {"--eye=9,9,9", "--target=0,0,0", "--full-gradient=0.2"})
+    EXPECT_THROW(makeCommandLine().program->parse({alone, "-o=b", "a", "render"}),
+                 CLI::RequiresError)
+        << alone;
+}
+
 TEST(CommandLine, valuesMayLookLikeOptionsAndCommands) {
   EXPECT_EQ(complaint({"render", "info", "-o", "-strange.png", "--azimuth", "-5"}), "");
   EXPECT_EQ(complaint({"render", "a.nii", "-ob.png", "-j4", "-s64"}), "");

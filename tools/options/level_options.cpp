@@ -7,28 +7,23 @@ namespace sluice {
 
 void addLevelOptions(CLI::App& app, LevelArguments& arguments, ResourceArguments& resources) {
   const OptionGroup group(app, kLevelsHeading);
-  CLI::Option* level =
-      addLevelOption(group, arguments.level, "Draws this level only; 0 is the data as stored");
-  group.rare()
-      .number("--pixel-error", "PIXELS", arguments.pixel_error, {0, 1e6, true},
-              "Draws each part at the coarsest level whose voxels are at most this wide (1)")
-      ->excludes(level);
-  group.rare()
-      .bytes("--max-bytes", arguments.max_bytes,
-             "Refines levels until the blocks of a picture would exceed this many bytes of stored "
-             "voxels (no limit)")
-      ->excludes(level);
-  group
-      .flag("--keep-thin", arguments.keeps_thin,
-            "Refines parts where level 0 shows something thinner than two coarse voxels")
-      ->excludes(level);
+  addLevelOption(group, arguments.level, "Draws this level only; 0 is the data as stored");
+  group.rare().number(
+      "--pixel-error", "PIXELS", arguments.pixel_error, {0, 1e6, true},
+      "Draws each part at the coarsest level whose voxels are at most this wide (1)");
+  group.rare().bytes(
+      "--max-bytes", arguments.max_bytes,
+      "Refines levels until the blocks of a picture would exceed this many bytes of stored "
+      "voxels (no limit)");
+  group.flag("--keep-thin", arguments.keeps_thin,
+             "Refines parts where level 0 shows something thinner than two coarse voxels");
   addLevelsOption(group, resources);
 }
 
-CLI::Option* addLevelOption(const OptionGroup& group, std::optional<int64_t>& level,
-                            const std::string& help) {
+void addLevelOption(const OptionGroup& group, std::optional<int64_t>& level,
+                    const std::string& help) {
   constexpr int64_t kMostLevel = 63;
-  return group.rare().number("--level", "N", level, {0, kMostLevel}, help);
+  group.rare().number("--level", "N", level, {0, kMostLevel}, help);
 }
 
 void addLevelsOption(const OptionGroup& group, MachineOptions& machine) {

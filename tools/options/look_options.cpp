@@ -18,9 +18,9 @@ void addLookOptions(CLI::App& app, const AskedView& asked, LookArguments& look,
     look.background = *state.background;
     look.has_background = true;
   });
-  CLI::Option* threshold = table.add("-t,--threshold");
-  CLI::Option* transfer = table.add("--transfer");
-  CLI::Option* points = table.add("--opacities");
+  table.add("-t,--threshold");
+  table.add("--transfer");
+  table.add("--opacities");
   Words<std::string> maps;
   for (const std::string_view name : colorMapNames()) maps.emplace_back(name, name);
   for (const std::string_view name : solidColorNames()) maps.emplace_back(name, name);
@@ -36,32 +36,17 @@ void addLookOptions(CLI::App& app, const AskedView& asked, LookArguments& look,
   table.add("--range");
   group.rare().flag("--this-step", look.this_step,
                     "Series: computes look and fit from the drawn step alone");
-  CLI::Option* opacity = table.add("--opacity");
+  table.add("--opacity");
   table.addRest(kLookHeading, OptionPart::kLook);
   table.add("--background");
   table.addRest(kPartsHeading, OptionPart::kLook);
-  CLI::Option* labels = app.get_option("--labels");
-  for (CLI::Option* of_labels :
-       {labels, app.get_option("--labels-table"), app.get_option("--label")})
-    for (CLI::Option* other : {threshold, transfer, points, app.get_option("--iso")})
-      other->excludes(of_labels);
-  // Points given with a file replace its own; its colours stay.
-  const auto goTogether = [&](const CLI::Option* one, const CLI::Option* other) {
-    return (one == transfer && other == points) || (one == points && other == transfer);
-  };
-  for (CLI::Option* one : {threshold, transfer, points, labels})
-    for (CLI::Option* other : {threshold, transfer, points, labels})
-      if (one != other && !goTogether(one, other)) one->excludes(other);
-  points->excludes(opacity);
-  CLI::Option* shade = light.flag("--shade", look.shade, "Gradient Phong lighting");
-  light
-      .flag("--no-shade", look.no_shade,
-            "No lighting; without this option, pictures that show surfaces are lit")
-      ->excludes(shade);
-  CLI::Option* modulate = light.rare().flag(
+  light.flag("--shade", look.shade, "Gradient Phong lighting");
+  light.flag("--no-shade", look.no_shade,
+             "No lighting; without this option, pictures that show surfaces are lit");
+  light.rare().flag(
       "--modulate", look.modulate,
       "Multiplies the opacity by a ramp of the gradient's magnitude, 0 where the volume is flat");
-  table.add("--full-gradient", numberText(look.full_gradient))->needs(modulate);
+  table.add("--full-gradient", numberText(look.full_gradient));
   table.addRest(kLightHeading, OptionPart::kLook);
 }
 

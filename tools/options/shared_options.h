@@ -61,8 +61,8 @@ inline constexpr double kMostVoxels = 1LL << 40;
 
 // Some of the last group, for commands that take no more.
 inline constexpr int64_t kMostFrames = 100'000;
-CLI::Option* addLevelOption(const OptionGroup& group, std::optional<int64_t>& level,
-                            const std::string& help);
+void addLevelOption(const OptionGroup& group, std::optional<int64_t>& level,
+                    const std::string& help);
 void addLevelsOption(const OptionGroup& group, MachineOptions& machine);
 void addThreadsOption(const OptionGroup& group, int& threads);
 void addMemoryOption(const OptionGroup& group, MachineOptions& machine);

@@ -8,6 +8,7 @@
 #include "src/base/looks/channel_look.h"
 #include "src/base/looks/label_look.h"
 #include "src/base/looks/surface_look.h"
+#include "src/options/option_rules.h"
 #include "src/options/option_table.h"
 #include "src/view/state/view_check.h"
 #include "tools/command_line/parse.h"
@@ -218,6 +219,19 @@ void TableOptions::addRest(std::string_view heading, OptionPart part) const {
         app_.get_option_no_throw(option) == nullptr)
       add(option);
   }
+}
+
+void pairOptions(CLI::App& command) {
+  const auto forEach = [&command](std::span<const OptionPair> pairs, auto pair) {
+    for (const auto& [one, other] : pairs) {
+      CLI::Option* const first = command.get_option_no_throw(std::string(one));
+      CLI::Option* const second = command.get_option_no_throw(std::string(other));
+      if (first != nullptr && second != nullptr) pair(first, second);
+    }
+  };
+  forEach(optionsApart(), [](CLI::Option* one, CLI::Option* other) { one->excludes(other); });
+  forEach(optionNeeds(), [](CLI::Option* one, CLI::Option* other) { one->needs(other); });
+  for (CLI::App* each : command.get_subcommands(nullptr)) pairOptions(*each);
 }
 
 }  // namespace sluice

@@ -39,4 +39,8 @@ class TableOptions {
   const Take take_;
 };
 
+// Lets the options of a command go together as option_rules.h says. To be called when the command
+// has all of them.
+void pairOptions(CLI::App& command);
+
 }  // namespace sluice

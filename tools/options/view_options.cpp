@@ -38,25 +38,22 @@ void addCameraOptions(CLI::App& app, const AskedView& asked, Camera& camera) {
   options.add("--projection");
   std::vector<std::string> views(from.kind.words.begin(), from.kind.words.end());
   std::rotate(views.begin(), views.begin() + 1, views.end());  // plain is the last
-  CLI::Option* view = OptionGroup(app, std::string(kViewHeading))
-                          .word(
-                              "--view", views,
-                              [&from, take, asked](const std::string& word) {
-                                from.set(*asked, word);
-                                take(*asked);
-                              },
-                              "Start of the camera: " + listed(views) +
-                                  ", along -z with +y up whatever the axes mean",
-                              std::string(name(camera.view)));
-  CLI::Option* azimuth = options.add("--azimuth");
-  CLI::Option* elevation = options.add("--elevation");
+  OptionGroup(app, std::string(kViewHeading))
+      .word(
+          "--view", views,
+          [&from, take, asked](const std::string& word) {
+            from.set(*asked, word);
+            take(*asked);
+          },
+          "Start of the camera: " + listed(views) + ", along -z with +y up whatever the axes mean",
+          std::string(name(camera.view)));
+  options.add("--azimuth");
+  options.add("--elevation");
   options.add("--zoom");
   options.add("--fov");
-  CLI::Option* eye = options.add("--eye");
-  CLI::Option* target = options.add("--target");
+  options.add("--eye");
+  options.add("--target");
   options.addRest(kViewHeading, OptionPart::kCamera);
-  eye->needs(target)->excludes(view)->excludes(azimuth)->excludes(elevation);
-  target->needs(eye);
 }
 
 void addDrawingOptions(CLI::App& app, const AskedView& asked, FrameOptions& options) {
@@ -125,9 +122,9 @@ AskedView addPictureOptions(CLI::App& app, LookArguments& look, FrameOptions& fr
   step->default_str("");
   step->description(step->get_description() +
                     " (1, or less if pixels are smaller than voxels or the picture is lit)");
-  TableOptions(app, asked, [&fit](const ViewState& state) { fit = fitChoice(state.view); })
-      .add("--fit", "", std::string(kViewHeading))
-      ->excludes(app.get_option("--eye"));
+  TableOptions(app, asked, [&fit](const ViewState& state) {
+    fit = fitChoice(state.view);
+  }).add("--fit", "", std::string(kViewHeading));
   return asked;
 }
 
