@@ -24,8 +24,7 @@ constexpr size_t kMostPutOffBoxes = 1 << 16;
 // If more than this share of a chunk's bricks shows something, looking for empty ones costs more
 // than it saves.
 constexpr double kMostShownToLeap = 0.9;
-// Leap grids of evicted chunks, beyond as many as are resident, after which those of lost texels
-// are thrown away.
+// The fewest leap grids of evicted chunks after which those of lost texels are thrown away.
 constexpr size_t kMostEvicted = 64;
 // Boxes of a tile between two looks whether to stop.
 constexpr size_t kBoxesBetweenStops = 256;
@@ -89,8 +88,12 @@ void CpuDevice::evict(uint64_t id) {
   resident_.erase(found);
   if (leaps.grid) evicted_[texels.get()] = {texels, std::move(leaps)};
   texels.reset();
-  if (evicted_.size() > resident_.size() + kMostEvicted)
-    std::erase_if(evicted_, [](const auto& known) { return known.second.texels.expired(); });
+  if (evicted_.size() <= most_evicted_) return;
+  std::erase_if(evicted_, [](const auto& known) { return known.second.texels.expired(); });
+  // The next look comes after as many evictions as there are grids to look at, so that a frame of
+  // many small chunks, all of which stay in the level below, does not look at all of them each
+  // time.
+  most_evicted_ = 2 * evicted_.size() + kMostEvicted;
 }
 
 void CpuDevice::beginFrame(const FrameSetup& setup, const StopToken& stop) {

@@ -106,6 +106,7 @@ class CpuDevice : public Device, public DrawsRows {
   const std::string renderer_;
   std::unordered_map<uint64_t, Resident> resident_;
   std::unordered_map<const ChunkTexels*, Evicted> evicted_;
+  size_t most_evicted_ = 0;  // more than these are looked through
   FrameSetup setup_;
   LightSquares light_squares_;                       // for the last frame that was lit
   std::vector<std::unique_ptr<ChannelLook>> looks_;  // the setup's own first
