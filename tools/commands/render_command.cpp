@@ -93,8 +93,7 @@ int run(Arguments& arguments, CLI::App& app, Team* team) {
   requireOneChannel(arguments, scene);
   const std::vector<Camera>& cameras = fitted.cameras;
   if (is_first && !arguments.resources.quiet) {
-    for (const Layer* layer : scene.layers())
-      for (const std::string& warning : layer->look.warnings) printWarning(warning);
+    for (const std::string& warning : scene.lookWarnings()) printWarning(warning);
     warnOfIdleOptions(arguments, given, scene);
   }
   if (scene.volume.stand_in && !arguments.resources.quiet) printWarning(scene.volume.standInNote());

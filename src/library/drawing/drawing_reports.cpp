@@ -45,7 +45,7 @@ ShownLook Drawing::shownLook() const {
   shown.labels = scene_.look.transfer.labels;
   shown.options = scene_.lookText();
   shown.transfer = writeTransferFunction(scene_.look.transfer);
-  shown.warnings = scene_.look.warnings;
+  shown.warnings = scene_.lookWarnings();
   return shown;
 }
 

@@ -147,6 +147,9 @@ struct Scene : Layer {
   // shows nothing: ..."; empty if all show something.
   std::string emptyLayers(const SceneFrame& frame, int64_t time, const FrameOptions& options,
                           const IndexPass& pass) const;
+  // Lines about options of the looks that do not do what they say. With several layers, each names
+  // its channel.
+  std::vector<std::string> lookWarnings() const;
   // The reason why a frame shows nothing, in one line; empty if it shows something.
   std::string whyNothing(const SceneFrame& frame, int64_t time, const FrameOptions& options,
                          const IndexPass& pass) const;

@@ -169,6 +169,14 @@ Frame Scene::drawLayers(std::vector<LayerFrame>& parts) {
   return *std::move(sum);
 }
 
+std::vector<std::string> Scene::lookWarnings() const {
+  std::vector<std::string> lines;
+  for (const Layer* layer : layers())
+    for (const std::string& warning : layer->look.warnings)
+      lines.push_back(more.empty() ? warning : layer->volume.channel.title() + ": " + warning);
+  return lines;
+}
+
 std::string Scene::emptyLayers(const SceneFrame& frame, int64_t time, const FrameOptions& options,
                                const IndexPass& pass) const {
   std::string line;
