@@ -2,12 +2,24 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fstream>
+#include <functional>
+#include <nlohmann/json.hpp>
+
 #include "tests/tools/channels_fixture.h"
 
 namespace sluice {
 namespace {
 
 using testing::HasSubstr;
+using testing::Not;
+
+// Changes a file of JSON.
+void edit(const std::filesystem::path& path, const std::function<void(nlohmann::json&)>& change) {
+  nlohmann::json content = nlohmann::json::parse(std::ifstream(path));
+  change(content);
+  std::ofstream(path) << content;
+}
 
 TEST_F(Channels, warningOfALookNamesItsChannel) {
   const std::string line = "render cells.ome.zarr --size 32 -o a.png --force --label 60000=red ";
@@ -16,6 +28,24 @@ TEST_F(Channels, warningOfALookNamesItsChannel) {
   EXPECT_THAT(both, HasSubstr("warning: channel 1 (Actin): --label 60000=red: no voxel has this"));
   EXPECT_THAT(program_.run(line + "--channel 2").output,
               HasSubstr("warning: --label 60000=red: no voxel has this label"));
+}
+
+TEST_F(Channels, invertedOneIsNotedAndPackedAsSuch) {
+  const auto invert = [](nlohmann::json& content) {
+    content["omero"]["channels"][1]["inverted"] = true;
+    content["omero"]["channels"][2]["inverted"] = false;
+  };
+  edit(program_.folder / "cells.ome.zarr/.zattrs", invert);
+  const std::string more = " --size 32 -o a.png --force";
+  const std::string note = "channel 1 (Actin) is inverted in the file";
+  const std::string lines = program_.run("render cells.ome.zarr" + more).output;
+  EXPECT_THAT(lines, HasSubstr("warning: cells.ome.zarr: " + note));
+  EXPECT_THAT(lines, Not(HasSubstr("channel 2 (Spots) is inverted")));
+  // A channel by itself gets the look of any volume.
+  EXPECT_THAT(program_.run("render cells.ome.zarr --channel 1" + more).output,
+              Not(HasSubstr("inverted")));
+  ASSERT_EQ(program_.run("pack cells.ome.zarr -o p.zarr").status, 0);
+  EXPECT_THAT(program_.run("render p.zarr" + more).output, HasSubstr("p.zarr: " + note));
 }
 
 }  // namespace

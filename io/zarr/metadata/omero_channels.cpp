@@ -60,6 +60,8 @@ std::vector<StoredLook> omeroLooks(const JsonField& omero) {
     if (const auto window = channel.find("window")) look.window = windowOf(*window);
     if (const auto active = channel.find("active"); active && active->isFlag())
       look.is_active = active->flag();
+    if (const auto inverted = channel.find("inverted"); inverted && inverted->isFlag())
+      look.is_inverted = inverted->flag();
     says_something = says_something || look.color || look.window;
   }
   if (!says_something) looks.clear();

@@ -80,6 +80,7 @@ ordered_json omero(const ZarrChannelsText& text, const VolumeLayout& layout) {
     channels.push_back({{"label", names[c].empty() ? fmt::format("channel {}", c) : names[c]},
                         {"color", look.color ? hexOf(*look.color) : kColors[c % kColors.size()]},
                         {"active", look.is_active}});
+    if (look.is_inverted) channels.back()["inverted"] = true;
     if (look.window) channels.back()["window"] = windowOf(*look.window, layout);
   }
   return {{"channels", channels}};

@@ -16,6 +16,7 @@ struct StoredLook {
   std::optional<std::array<double, 3>> color = {};  // red, green, blue, 0 to 1
   std::optional<ValueRange> window = {};            // stored values that show dark and bright
   bool is_active = true;                            // shown at first
+  bool is_inverted = false;                         // low values are to be bright, high ones dark
   friend bool operator==(const StoredLook&, const StoredLook&) = default;
 };
 

@@ -98,6 +98,18 @@ ChannelSource openChannel(const VolumeArguments& arguments) {
 
 namespace {
 
+// The line about a channel that the file inverts. Drawn so, the ground around its matter would be
+// opaque, so that its high values are drawn bright, as those of the others.
+std::string invertedNote(const VolumeSource& source, const ShownChannel& shown) {
+  const auto looks = channelLooks(source);
+  const auto at = static_cast<size_t>(shown.number);
+  if (shown.is_alone || at >= looks.size() || !looks[at].is_inverted) return "";
+  return fmt::format(
+      "{}: {} is inverted in the file, which shows low values bright; here high values are bright "
+      "and opaque, as in the other channels",
+      source.layout().name, shown.title());
+}
+
 std::vector<ChannelSource> openOwnChannels(const VolumeArguments& arguments) {
   const ChannelWish& wish = arguments.open.channel;
   VolumeArguments first = arguments;
@@ -123,7 +135,10 @@ std::vector<ChannelSource> openOwnChannels(const VolumeArguments& arguments) {
     return channels;
   }
   source.reset();
-  for (ChannelSource& channel : channels) channel.source = openSource(channel.arguments);
+  for (ChannelSource& channel : channels) {
+    channel.source = openSource(channel.arguments);
+    channel.note = invertedNote(*channel.source, channel.channel);
+  }
   return channels;
 }
 
