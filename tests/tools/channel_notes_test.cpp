@@ -48,5 +48,21 @@ TEST_F(Channels, invertedOneIsNotedAndPackedAsSuch) {
   EXPECT_THAT(program_.run("render p.zarr" + more).output, HasSubstr("p.zarr: " + note));
 }
 
+TEST_F(Channels, levelWithoutThemIsNotedOnce) {
+  ASSERT_EQ(program_.run("pack cells.ome.zarr -o p.zarr --chunk 16 --levels 1").status, 0);
+  edit(program_.folder / "p.zarr/1/.zarray",
+       [](nlohmann::json& array) { array["shape"][0] = array["shape"][0].get<int>() - 3; });
+  std::filesystem::remove(program_.folder / "p.zarr/1/.sluice-checksums");  // of four channels
+  for (const char* channels : {"", "--channel 1", "--channel 0,2"}) {
+    const std::string lines =
+        program_.run(std::string("render p.zarr --size 32 -o a.png --force ") + channels).output;
+    const std::string note = "level 1 is left out: ";
+    const size_t at = lines.find(note);
+    ASSERT_NE(at, std::string::npos) << lines;
+    EXPECT_THAT(lines.substr(at), HasSubstr("it has 1 channel, the first level has 4\n"));
+    EXPECT_EQ(lines.find(note, at + 1), std::string::npos) << lines;
+  }
+}
+
 }  // namespace
 }  // namespace sluice

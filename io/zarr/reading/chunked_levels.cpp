@@ -28,9 +28,13 @@ std::string faultAmong(const VolumeLayout& finest, const VolumeLayout& level) {
   if (level.type != finest.type)
     return fmt::format("its voxels are {}, the first level's are {}", name(level.type),
                        name(finest.type));
-  if (level.time_steps != finest.time_steps || level.channels != finest.channels)
-    return fmt::format("it has {} time steps and {} channels, the first level {} and {}",
-                       level.time_steps, level.channels, finest.time_steps, finest.channels);
+  const auto fault = [](int64_t count, const char* what, int64_t expected) {
+    return fmt::format("it has {} {}{}, the first level has {}", count, what, count == 1 ? "" : "s",
+                       expected);
+  };
+  if (level.time_steps != finest.time_steps)
+    return fault(level.time_steps, "time step", finest.time_steps);
+  if (level.channels != finest.channels) return fault(level.channels, "channel", finest.channels);
   return "";
 }
 

@@ -45,7 +45,9 @@ ChunkedSource::ChunkedSource(const ChunkedVolume& volume, OpenedArray opened, si
   view_.layout.notes = array.notes;
   if (part_ == Part::kImage)
     view_.layout.notes.insert(view_.layout.notes.end(), volume.notes.begin(), volume.notes.end());
-  chooseChannel(volume.name, channel, channel_names_, view_.layout);
+  // A level without the channel has other channels than the image: openLevels() leaves it out.
+  if (part_ == Part::kImage || channel.number.value_or(0) < view_.layout.channels)
+    chooseChannel(volume.name, channel, channel_names_, view_.layout);
   channel_ = view_.layout.channel;
 
   fill_.resize(bytesPerVoxel(array.type));
