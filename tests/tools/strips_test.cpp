@@ -205,5 +205,23 @@ TEST(Strips, doNotGoWithOptionsThatLookAtWholePictures) {
   EXPECT_FALSE(program.exists("a.png"));
 }
 
+// Small blocks take most of the memory, so that it is not four times the picture's.
+TEST(Strips, messageNamesTheMemoryThatHoldsTheWholePicture) {
+  const Program program;
+  for (const char* more : {"", "--over synth:shells,dims=20x20x20 "}) {
+    SCOPED_TRACE(more);
+    const std::string line = std::string("render synth:phantom,dims=40x40x40 --block 4 --force ") +
+                             more + "--device cpu --size 200x160 --verify -o a.png --memory ";
+    const std::string output = program.run(line + (*more == 0 ? "28M" : "60M")).output;
+    EXPECT_THAT(output, HasSubstr("--verify needs the whole picture of 200 x 160"));
+    const size_t at = output.find("give --memory ");
+    ASSERT_NE(at, std::string::npos) << output;
+    const uint64_t needed = std::stoull(output.substr(at + 14));
+    EXPECT_EQ(program.run(line + std::to_string(needed)).status, 0);
+    EXPECT_THAT(program.run(line + std::to_string(needed - 1000)).output,
+                HasSubstr("give --memory " + std::to_string(needed)));
+  }
+}
+
 }  // namespace
 }  // namespace sluice

@@ -173,9 +173,6 @@ void requireWholePicture(const Arguments& arguments, const Scene& scene) {
          arguments.verify ? "--verify" : "--debug-view");
   if (scene.stripsOf(arguments.frame).size() == 1) return;
   const PictureSize size = arguments.frame.size;
-  // A picture may take a quarter of a channel's share.
-  const uint64_t needed =
-      4 * scene.layers().size() * wholePictureBytes(pictureDemand(scene.machine, arguments.frame));
   fail(
       "{} needs the whole picture of {} x {} in memory, and --memory {} has no room; give "
       "--memory {}",
@@ -183,7 +180,8 @@ void requireWholePicture(const Arguments& arguments, const Scene& scene) {
       : arguments.debug_view  ? "--debug-view"
       : arguments.progressive ? "--progressive"
                               : "--time-limit with levels of resolution",
-      size.width, size.height, formatBytes(scene.memory_bytes), needed);
+      size.width, size.height, formatBytes(scene.memory_bytes),
+      scene.memoryForWholePicture(arguments.frame));
 }
 
 }  // namespace sluice

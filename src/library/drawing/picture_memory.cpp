@@ -44,6 +44,10 @@ uint64_t pictureBytes(const PictureDemand& picture, uint64_t memory_bytes) {
                     wholePictureBytes(picture));
 }
 
+uint64_t memoryOfWholePicture(const PictureDemand& picture) {
+  return kPictureShare * wholePictureBytes(picture);
+}
+
 std::vector<PictureRows> stripsOf(const PictureDemand& picture, uint64_t bytes) {
   const PictureSize size = picture.size;
   const uint64_t drawing = bytes - std::min(bytes, writingBytes(size));

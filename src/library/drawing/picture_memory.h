@@ -38,6 +38,8 @@ uint64_t leastPictureBytes(const PictureDemand& picture);
 // Bytes of the whole picture, or a quarter of `memory_bytes` if that is less, but at least
 // leastPictureBytes().
 uint64_t pictureBytes(const PictureDemand& picture, uint64_t memory_bytes);
+// The least memory of which pictureBytes() are those of the whole picture.
+uint64_t memoryOfWholePicture(const PictureDemand& picture);
 
 // Strips from the top of the picture down, each of at most `bytes`; one strip if the whole picture
 // fits. Requires: bytes >= leastPictureBytes().

@@ -140,6 +140,19 @@ BesideShare besideShare(const IndexedVolume& volume, const MachineOptions& machi
   return share;
 }
 
+uint64_t leastForWholePicture(const IndexedVolume& volume, MachineOptions machine,
+                              Partition partition, const PictureDemand& picture,
+                              uint64_t others_bytes) {
+  const uint64_t beside_bytes = others_bytes + wholePictureBytes(picture);
+  machine.memory_bytes = 1;  // for the fewest pages
+  PageGeometry page = volume.page;
+  page.pages = pageCount(machine, volume, beside_bytes);
+  BufferNeeds needs = bufferNeeds(*volume.source, volume.layout, partition, beside_bytes);
+  needs.numbers = volume.numbers();
+  return std::max(memoryOfWholePicture(picture),
+                  textureMemoryBytes(page, TexelPlace::kInMemory) + leastBufferBytes(page, needs));
+}
+
 SessionOptions sessionOptions(const IndexedVolume& volume, bool lit, const MachineOptions& machine,
                               Partition partition, uint64_t memory_bytes) {
   SessionOptions options;

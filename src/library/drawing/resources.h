@@ -51,6 +51,10 @@ struct BesideShare {
 // memory if the levels then have the least that they work with, otherwise the least strip.
 BesideShare besideShare(const IndexedVolume& volume, const MachineOptions& machine,
                         Partition partition, const PictureDemand& picture, uint64_t others_bytes);
+// The least memory of which besideShare() leaves the picture whole.
+uint64_t leastForWholePicture(const IndexedVolume& volume, MachineOptions machine,
+                              Partition partition, const PictureDemand& picture,
+                              uint64_t others_bytes);
 
 // `lit`: frames may be shaded, the volume was indexed with gradients.
 SessionOptions sessionOptions(const IndexedVolume& volume, bool lit, const MachineOptions& machine,

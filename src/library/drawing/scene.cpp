@@ -219,6 +219,15 @@ std::vector<PictureRows> Scene::stripsOf(const FrameOptions& frame) const {
                                        : pictureBytes(picture, memory_bytes));
 }
 
+uint64_t Scene::memoryForWholePicture(const FrameOptions& frame) const {
+  uint64_t most = 0;  // of a layer, which all share the memory in equal parts
+  for (const Layer* layer : layers())
+    most = std::max(most, leastForWholePicture(layer->volume, layer->machine, frame.partition,
+                                               pictureDemand(machine, frame),
+                                               layer->beside_bytes - layer->part_bytes));
+  return layers().size() * most;
+}
+
 SceneFrame Scene::draw(const std::vector<PictureRows>& strips,
                        const std::function<void(const Picture& rows)>& take) {
   SceneFrame drawn;

@@ -134,6 +134,8 @@ struct Scene : Layer {
   // blocks that it shows. A single strip if pictures are drawn whole, as those of several ranks
   // are, which exchange parts of the whole.
   std::vector<PictureRows> stripsOf(const FrameOptions& frame) const;
+  // The least memory with which such frames are one strip.
+  uint64_t memoryForWholePicture(const FrameOptions& frame) const;
   // Draws the next frame of the session and gives its rows to `take`, from the top down; the pixels
   // are the same in strips and whole. With several ranks, all call it and rank 0 gets the picture.
   // Throws Error, Interrupted and the errors of `take`; the device draws whole pictures again
