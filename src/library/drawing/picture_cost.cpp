@@ -21,27 +21,10 @@ namespace {
 // Software GL with its threads, shaders and libraries, OpenVDB's too: measured 60 to 120 MB.
 constexpr uint64_t kProgramBytes = uint64_t{120} << 20;
 
-uint64_t decodedBytes(const PyramidLayout& layout, VoxelType type, const BlockName& block) {
-  return static_cast<uint64_t>(layout.storedVoxels(block).count()) *
-         storedBytesPerVoxel(type, layout.of(block).numbers);
-}
-
 PlanOptions planOptions(const PlannedBlocks& planned, const FrameOptions& frame,
                         Algorithm algorithm) {
   return {algorithm, frame.merge_order, planned.step.time,
           cropCells(frame, planned.step.ranges->layout.dims)};
-}
-
-void addSharedBlocks(const TexturePlan& textures, VoxelType type, AlgorithmCost& cost) {
-  for (const Cluster& cluster : textures.clusters)
-    for (const ChunkPosition chunk : cluster.chunks)
-      for (const BlockPosition at : textures.chunks[chunk].blocks) {
-        const TextureBlock& block = textures.blocks[at];
-        // A block's own cluster reads it first.
-        if (&textures.clusters[block.cluster] == &cluster) continue;
-        ++cost.shared_blocks;
-        cost.shared_voxel_bytes += decodedBytes(textures.pyramid, type, block.name);
-      }
 }
 
 // The part without its blocks.
@@ -58,10 +41,15 @@ AlgorithmCost costOf(const IndexedVolume& volume, const PlannedBlocks& planned, 
                      const PageGeometry& page, Algorithm algorithm, WorkerPool& pool) {
   AlgorithmCost cost;
   Stopwatch watch;
+  const VolumeLayout& layout = volume.source->layout();
+  const StripTally strips(viewSetup(planned.view, layout, {}), planned.strips);
   if (loadsEveryBlock(*planned.blocks, algorithm)) {
-    static_cast<PlanTotals&>(cost) = totalsOfEveryBlock(
-        planned.step.layout(), *planned.blocks, page, planOptions(planned, frame, algorithm));
+    const PlanOptions options = planOptions(planned, frame, algorithm);
+    static_cast<PlanTotals&>(cost) =
+        totalsOfEveryBlock(planned.step.layout(), *planned.blocks, page, options);
     cost.seconds = watch.lap();
+    cost.wanted = wantedReadsOfEachBlock(planned.step.layout(), *planned.blocks, options,
+                                         layout.type, strips);
     return cost;
   }
   ChunkNames names;
@@ -69,9 +57,8 @@ AlgorithmCost costOf(const IndexedVolume& volume, const PlannedBlocks& planned, 
   frame.algorithm = algorithm;
   const FramePlanPtr plan = planner.plan(planned.step, planned.blocks, frame, planned.clusters);
   cost.seconds = watch.lap();
-  const VolumeLayout& layout = volume.source->layout();
   static_cast<PlanTotals&>(cost) = totalsOf(plan->textures, eyePosition(planned.view, layout));
-  addSharedBlocks(plan->textures, layout.type, cost);
+  cost.wanted = wantedReads(plan->textures, layout.type, strips);
   return cost;
 }
 
@@ -127,15 +114,14 @@ void addReads(const ForecastInputs& inputs, uint64_t held_chunk_bytes, Forecast&
 }
 
 // Blocks are read once if level 2 holds them all, and as often as they are wanted otherwise.
-void addMostReads(const ForecastInputs& inputs, const std::optional<Budgets>& budgets,
-                  size_t strips, Forecast& forecast) {
+void addMostReads(const WantedReads& wanted, const std::optional<Budgets>& budgets,
+                  Forecast& forecast) {
+  const bool holds_all = budgets && budgets->volume_buffer >= forecast.voxel_bytes;
   forecast.most_blocks = forecast.blocks;
   forecast.most_voxel_bytes = forecast.voxel_bytes;
-  if (budgets && budgets->volume_buffer >= forecast.voxel_bytes) return;
-  forecast.most_blocks += inputs.cost.shared_blocks;
-  forecast.most_voxel_bytes += inputs.cost.shared_voxel_bytes;
-  forecast.most_blocks *= static_cast<int64_t>(strips);
-  forecast.most_voxel_bytes *= strips;
+  if (holds_all) return;
+  forecast.most_blocks = std::max(forecast.most_blocks, wanted.blocks);
+  forecast.most_voxel_bytes = std::max(forecast.most_voxel_bytes, wanted.voxel_bytes);
 }
 
 // The needs of a session that holds `beside_bytes` in addition to the levels.
@@ -169,6 +155,13 @@ PlannedBlocks plannedBlocks(const PlannedPart& part, BlockChooser* chooser, Work
   planned.blocks = planner.visibleBlocks(planned.step, planned.look, planned.view, part.frame);
   planned.seconds = watch.lap();
   return planned;
+}
+
+std::vector<PictureRows> plannedStrips(const IndexedVolume& volume, const MachineOptions& machine,
+                                       const FrameOptions& frame, uint64_t others_bytes) {
+  const PictureDemand picture = pictureDemand(machine, frame);
+  return stripsOf(
+      picture, besideShare(volume, machine, frame.partition, picture, others_bytes).picture_bytes);
 }
 
 std::vector<PlannedBlocks> plannedTogether(std::span<const PlannedPart> parts, WorkerPool& pool) {
@@ -227,7 +220,7 @@ Forecast forecastOf(const ForecastInputs& inputs) {
   const BufferNeeds needs = sessionNeeds(volume, frame.partition, share.beside_bytes);
   const std::optional<Budgets> budgets = budgetsOf(inputs, needs);
   addReads(inputs, heldChunkBytes(budgets, needs), forecast);
-  addMostReads(inputs, budgets, stripsOf(picture, share.picture_bytes).size(), forecast);
+  addMostReads(cost.wanted, budgets, forecast);
   // The least is with the picture in strips, which is how it is drawn if nothing else fits.
   const uint64_t textures = textureMemoryBytes(page, texels);
   forecast.budget_bytes = memoryBudget(machine);

@@ -11,6 +11,7 @@
 
 #include "src/base/values/stored_reads.h"
 #include "src/device/device.h"
+#include "src/library/drawing/wanted_reads.h"
 #include "src/library/opening/indexed_volume.h"
 #include "src/library/requests.h"
 #include "src/render/blocks/visible_blocks.h"
@@ -28,9 +29,15 @@ struct PlannedBlocks {
   LookPtr look;
   VisibleBlocksPtr blocks;
   View view;
-  double seconds = 0;            // classification
-  TexturePlanPtr clusters = {};  // PlanOptions::clusters, of channels that are blended
+  double seconds = 0;                    // classification
+  TexturePlanPtr clusters = {};          // PlanOptions::clusters, of channels that are blended
+  std::vector<PictureRows> strips = {};  // of the picture, from plannedStrips()
 };
+
+// The strips in which the picture is drawn; one: it is drawn whole. `others_bytes`: see
+// othersBytes().
+std::vector<PictureRows> plannedStrips(const IndexedVolume& volume, const MachineOptions& machine,
+                                       const FrameOptions& frame, uint64_t others_bytes);
 
 // A volume's part of a picture.
 struct PlannedPart {
@@ -46,10 +53,9 @@ PlannedBlocks plannedBlocks(const PlannedPart& part, BlockChooser* chooser, Work
 std::vector<PlannedBlocks> plannedTogether(std::span<const PlannedPart> parts, WorkerPool& pool);
 
 struct AlgorithmCost : PlanTotals {
-  // Blocks of chunks that two clusters need, and their decoded bytes: a frame reads them again for
-  // the second cluster if they did not stay in memory.
-  int64_t shared_blocks = 0;
-  uint64_t shared_voxel_bytes = 0;
+  // The reads of a first frame if no block stays in memory between two strips of the picture, or
+  // two clusters, that need it.
+  WantedReads wanted = {};
   double seconds = 0;  // planning time
 };
 // One for each of kAlgorithms, at its place.
@@ -67,7 +73,8 @@ struct Forecast {
   uint64_t voxel_bytes = 0;
   // The most blocks that a first frame reads, and their decoded bytes: more than the above if the
   // memory does not hold all blocks, since a block is then read again for each strip of the picture
-  // and each cluster that needs it. Growing boxes that are not kept yet read blocks once more.
+  // that shows its chunk and each cluster that needs it. Growing boxes that are not kept yet read
+  // blocks once more.
   int64_t most_blocks = 0;
   uint64_t most_voxel_bytes = 0;
   // The reads of a first frame from a store of chunks; unset: the volume is none.

@@ -35,8 +35,8 @@ void add(Forecast& sum, const Forecast& more) {
 }
 
 void add(AlgorithmCost& sum, const AlgorithmCost& more) {
-  sum.shared_blocks += more.shared_blocks;
-  sum.shared_voxel_bytes += more.shared_voxel_bytes;
+  sum.wanted.blocks += more.wanted.blocks;
+  sum.wanted.voxel_bytes += more.wanted.voxel_bytes;
   sum.chunks += more.chunks;
   sum.clusters += more.clusters;
   sum.pages += more.pages;
@@ -76,6 +76,7 @@ std::vector<PlannedChannel> plannedChannels(const std::vector<ChannelShare>& sha
   for (size_t i = 0; i < shares.size(); ++i) {
     const ChannelShare& share = shares[i];
     const IndexedVolume& volume = *share.look.volume;
+    shown[i].strips = plannedStrips(volume, share.machine, share.frame, share.others_bytes);
     const AlgorithmCosts costs = algorithmCosts(volume, shown[i], share.frame, share.page, pool);
     const AlgorithmCost& chosen = costs[static_cast<size_t>(share.frame.algorithm)];
     const Forecast forecast = forecastOf({volume, shown[i], share.page, chosen, share.others_bytes,

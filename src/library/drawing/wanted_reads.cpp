@@ -1,0 +1,62 @@
+#include "src/library/drawing/wanted_reads.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace sluice {
+
+uint64_t decodedBytes(const PyramidLayout& layout, VoxelType type, const BlockName& block) {
+  return static_cast<uint64_t>(layout.storedVoxels(block).count()) *
+         storedBytesPerVoxel(type, layout.of(block).numbers);
+}
+
+StripTally::StripTally(FrameSetup setup, std::span<const PictureRows> strips)
+    : setup_(std::move(setup)), strips_(std::max<int64_t>(1, std::ssize(strips))) {
+  // Strips come from the top down, and the highest one may have fewer rows.
+  if (strips_ > 1) rows_ = strips.back().hi - strips.back().lo;
+}
+
+int64_t StripTally::loads(std::span<const Box3> blocks) const {
+  if (strips_ == 1) return 1;
+  std::vector<std::pair<int, int>> intervals;  // of strips, the last one included
+  intervals.reserve(blocks.size());
+  for (const Box3& cells : blocks)
+    if (const PictureRows rows = rowsOf(setup_, cells); rows.lo < rows.hi)
+      intervals.emplace_back(rows.lo / rows_, (rows.hi - 1) / rows_);
+  std::ranges::sort(intervals);
+  int64_t count = 0;
+  int next = 0;
+  for (const auto& [first, last] : intervals) {
+    count += std::max(0, last + 1 - std::max(first, next));
+    next = std::max(next, last + 1);
+  }
+  return count;
+}
+
+WantedReads wantedReads(const TexturePlan& textures, VoxelType type, const StripTally& strips) {
+  WantedReads wanted;
+  std::vector<Box3> cells;
+  for (const Cluster& cluster : textures.clusters)
+    for (const ChunkPosition chunk : cluster.chunks) {
+      const auto& blocks = textures.chunks[chunk].blocks;
+      cells.clear();
+      cells.reserve(blocks.size());
+      for (const BlockPosition block : blocks) cells.push_back(textures.blocks[block].cells);
+      const int64_t times = strips.loads(cells);
+      for (const BlockPosition block : blocks)
+        wanted.add(times, decodedBytes(textures.pyramid, type, textures.blocks[block].name));
+    }
+  return wanted;
+}
+
+WantedReads wantedReadsOfEachBlock(const PyramidLayout& layout, const VisibleBlocks& visible,
+                                   const PlanOptions& options, VoxelType type,
+                                   const StripTally& strips) {
+  WantedReads wanted;
+  visitTextureBlocks(layout, visible, options, [&](const TextureBlock& block) {
+    wanted.add(strips.loads({&block.cells, 1}), decodedBytes(layout, type, block.name));
+  });
+  return wanted;
+}
+
+}  // namespace sluice
