@@ -154,6 +154,29 @@ TEST_F(Channels, simulatedChannelsAreTold) {
   EXPECT_FALSE(one["rows"][0].contains("channel"));
 }
 
+// The page of several channels ends with the table of their sum; one channel has none.
+TEST_F(Channels, simulationPageHasTheirSum) {
+  const std::string options = " --frames 2 --size 60x50 --policies lru,fifo --sizes 64,128 ";
+  const auto page = [&](const std::string& more) {
+    const CommandResult run =
+        program_.run("simulate cells.ome.zarr --html p.html --force " + more + options);
+    EXPECT_EQ(run.status, 0) << run.output;
+    return readFile(program_.folder / "p.html");
+  };
+  const auto json = program_.json("simulate cells.ome.zarr --channel 2,Actin " + options);
+  const std::string two = page("--channel 2,Actin");
+  const size_t at = two.find("<h2>All channels together</h2>");
+  ASSERT_NE(at, std::string::npos);
+  EXPECT_LT(two.rfind("<h2>", at - 1), at);
+  for (const auto& row : json["sum"])
+    EXPECT_THAT(two.substr(at),
+                HasSubstr(fmt::format("<td>{}<td>{}<td>{}<td>", row["requests"].get<int64_t>(),
+                                      row["hits"].get<int64_t>(), row["misses"].get<int64_t>())));
+  EXPECT_EQ(page("--channel 2").find("All channels together"), std::string::npos);
+  const std::string sizes = page("--channel 2,Actin --page 16x16x16,32x32x4");
+  EXPECT_THAT(sizes, HasSubstr("<h2>All channels together, pages of 32x32x4</h2>"));
+}
+
 // The channel stands before the extension. A name that cannot be written is refused as it was
 // given.
 TEST_F(Channels, tracesAreNamedByTheirChannel) {

@@ -27,7 +27,7 @@ void writePage(const std::string& file, const std::vector<SimulatedRun>& runs) {
   std::vector<SimulationReport> reports;
   reports.reserve(runs.size());
   for (const SimulatedRun& run : runs) reports.push_back(*run.report);
-  writeText(file, simulationPage(reports));
+  writeText(file, simulationPage(reports, sumOfChannels(runs)));
 }
 
 int run(const SimulateArguments& arguments) {

@@ -215,19 +215,20 @@ std::string bytesByCause(const SimulationReport& report) {
          htmlKey(kEmpty, "retained empty voxels") + "</p>";
 }
 
-std::string rowsTable(const SimulationReport& report) {
-  const bool is_planned = std::any_of(report.rows.begin(), report.rows.end(),
-                                      [](const SimulationRow& r) { return r.planned_pages; });
+// `isChosen`: whether a row is marked.
+template <class IsChosen>
+std::string rowsTable(std::span<const SimulationRow> rows, const IsChosen& isChosen) {
+  const bool is_planned =
+      std::ranges::any_of(rows, [](const SimulationRow& r) { return r.planned_pages.has_value(); });
   std::string out = fmt::format(
       "<div class=wide><table><tr><th>policy<th>pages{}<th>miss ratio<th>page "
       "requests<th>hits<th>misses"
       "<th>compulsory<th>capacity<th>conflict<th>moved<th>needed<th>seconds<th>failed</tr>",
       is_planned ? "<th>planned for" : "");
   bool any_failed = false;
-  for (const SimulationRow& r : report.rows) {
-    const bool chosen = r.policy == report.chosen_policy && r.pages == report.chosen_pages;
+  for (const SimulationRow& r : rows) {
     any_failed |= r.failures > 0;
-    out += fmt::format("<tr class='{}{}'><td>{}<td>{}", chosen ? "on" : "",
+    out += fmt::format("<tr class='{}{}'><td>{}<td>{}", isChosen(r) ? "on" : "",
                        r.failures > 0 ? " failed" : "", name(r.policy), r.pages);
     if (is_planned) out += fmt::format("<td>{}", r.planned_pages.value_or(0));
     out += fmt::format(
@@ -261,17 +262,37 @@ std::string sectionsOf(const SimulationReport& report, int level) {
          pageMapPicture(report);
   out += heading(fmt::format("Bytes by cause at {} pages", report.chosen_pages)) +
          bytesByCause(report);
-  return out + heading("All rows") + rowsTable(report);
+  return out + heading("All rows") + rowsTable(report.rows, [&](const SimulationRow& row) {
+           return row.policy == report.chosen_policy && row.pages == report.chosen_pages;
+         });
+}
+
+// A table for each page size.
+std::string sumSections(std::span<const SimulationRow> sums) {
+  std::string out;
+  while (!sums.empty()) {
+    const std::string& page = sums.front().page;
+    const auto end =
+        std::ranges::find_if(sums, [&](const SimulationRow& row) { return row.page != page; });
+    const auto count = static_cast<size_t>(end - sums.begin());
+    out += fmt::format("<h2>All channels together{}</h2>",
+                       page.empty() ? "" : ", pages of " + escapeHtml(page)) +
+           rowsTable(sums.first(count), [](const SimulationRow& /*row*/) { return false; });
+    sums = sums.subspan(count);
+  }
+  return out;
 }
 
 }  // namespace
 
-std::string simulationPage(std::span<const SimulationReport> reports) {
+std::string simulationPage(std::span<const SimulationReport> reports,
+                           std::span<const SimulationRow> sums) {
   if (reports.size() == 1)
     return htmlPage("Texture cache: " + reports[0].title, kPageStyle, sectionsOf(reports[0], 2));
   std::string out;
   for (const SimulationReport& report : reports)
     out += fmt::format("<h2>{}</h2>", escapeHtml(report.title)) + sectionsOf(report, 3);
+  out += sumSections(sums);
   return htmlPage(fmt::format("Texture cache: {} runs", reports.size()), kPageStyle, out);
 }
 
