@@ -10,6 +10,8 @@ import tempfile
 import time
 
 NEEDED = ('Xvfb', 'xdotool')
+# Between two lines that say what a test waits for.
+TELL_SECONDS = 60
 
 
 def missing():
@@ -163,10 +165,12 @@ class Window:
             if 'control' in line:
                 self.controls[line['control']] = line['at']
 
-    def wait(self, what, seconds=60, since=0):
-        """The first line from number `since` on that `what` (a key, or a function of the line) is true of."""
+    def wait(self, what, since=0):
+        """The first line from number `since` on that `what` (a key, or a function of the line) is true of. Waits as long as the
+        window lives: on a busy machine nobody knows how long it takes. What it waits for is printed now and then, so that one can
+        read it where the test is ended for taking too long."""
         test = what if callable(what) else (lambda line: what in line)
-        until = time.monotonic() + seconds
+        tell_at = time.monotonic() + TELL_SECONDS
         while True:
             self.update()
             for line in self.lines[since:]:
@@ -174,8 +178,9 @@ class Window:
                     return line
             if self.process.poll() is not None:
                 raise RuntimeError(f'the window ended with {self.process.returncode}: {self.said()}')
-            if time.monotonic() > until:
-                raise RuntimeError(f'waited {seconds} s for {what}; last lines {self.lines[-5:]}; said {self.said()}')
+            if time.monotonic() > tell_at:
+                tell_at += TELL_SECONDS
+                print(f'waiting for {what}; last lines {self.lines[-5:]}; said {self.said()}', flush=True)
             time.sleep(0.01)
 
     def mark(self):
@@ -279,10 +284,11 @@ class Window:
     def end(self):
         """Closes it by its key; the measured times."""
         self.key('ctrl+q')
-        try:
-            self.process.wait(20)
-        except subprocess.TimeoutExpired as error:
-            raise RuntimeError('the window does not end') from error
+        while self.process.poll() is None:
+            try:
+                self.process.wait(TELL_SECONDS)
+            except subprocess.TimeoutExpired:
+                print(f'waiting for the window to end; said {self.said()}', flush=True)
         self.update()
         if self.process.returncode != 0:
             raise RuntimeError(f'the window ended with {self.process.returncode}: {self.said()}')
