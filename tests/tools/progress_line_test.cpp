@@ -85,6 +85,19 @@ TEST(ProgressLine, countsPiecesToo) {
   EXPECT_THAT(text, testing::ContainsRegex("frames: [0-9]+ in [0-9.]+ s"));
 }
 
+TEST(ProgressLine, aShareThatWasCutShortIsNotCalledDone) {
+  const auto share = [](uint64_t last) {
+    return onATerminal([last] {
+      const ProgressWatch line = progressLine("drawing", ProgressUnit::kShare);
+      std::this_thread::sleep_for(std::chrono::milliseconds(600));
+      line(1, 4);
+      line(last, 4);
+    });
+  };
+  EXPECT_THAT(share(3), testing::ContainsRegex("drawing: 75 % in [0-9.]+ s"));
+  EXPECT_THAT(share(4), testing::ContainsRegex("drawing: done in [0-9.]+ s"));
+}
+
 TEST(ProgressLine, aTerminalThatIsGoneIsNoFailure) {
   EXPECT_EQ(onATerminal([] {
               ProgressMeter progress(progressLine("frames"), 200);

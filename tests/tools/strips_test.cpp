@@ -205,6 +205,18 @@ TEST(Strips, doNotGoWithOptionsThatLookAtWholePictures) {
   EXPECT_FALSE(program.exists("a.png"));
 }
 
+TEST(Strips, aLargePictureTellsATerminalHowFarItIs) {
+  const Program program;
+  if (program.inFolder("script --version").status != 0) GTEST_SKIP() << "script is missing";
+  const std::string told =
+      program
+          .inFolder("script -qec '" SLUICE_PROGRAM " render " + std::string(kVolume) +
+                    "--device cpu --size 1800x1800 --memory 24M --pages 64 -o a.png' /dev/null")
+          .output;
+  EXPECT_THAT(told, testing::ContainsRegex("drawing [0-9]+ %, [0-9]+ s left"));
+  EXPECT_THAT(told, testing::ContainsRegex("drawing: done in [0-9.]+ s\r\n"));
+}
+
 // Small blocks take most of the memory, so that it is not four times the picture's.
 TEST(Strips, messageNamesTheMemoryThatHoldsTheWholePicture) {
   const Program program;

@@ -29,13 +29,15 @@ class Line {
   ~Line() {
     if (drawn_at_s_ > 0)
       show(fmt::format("\r\033[K{}: {} in {:.1f} s\n", label_,
-                       unit_ == ProgressUnit::kShare ? "done" : textOf(done_), watch_.seconds()));
+                       unit_ == ProgressUnit::kShare ? shareText() : textOf(done_),
+                       watch_.seconds()));
   }
   Line(const Line&) = delete;
   Line& operator=(const Line&) = delete;
 
   void tell(uint64_t done, uint64_t total) {
     done_ = done;
+    total_ = total;
     const double now_s = watch_.seconds();
     if (now_s < kFirstDrawSeconds || now_s - drawn_at_s_ < kRedrawSeconds) return;
     drawn_at_s_ = now_s;
@@ -53,6 +55,10 @@ class Line {
   }
 
  private:
+  std::string shareText() const {
+    if (done_ >= total_) return "done";
+    return fmt::format("{:.0f} %", 100 * static_cast<double>(done_) / static_cast<double>(total_));
+  }
   std::string textOf(uint64_t amount) const {
     return unit_ == ProgressUnit::kBytes ? formatBytes(amount) : fmt::format("{}", amount);
   }
@@ -60,7 +66,7 @@ class Line {
   const std::string label_;
   const ProgressUnit unit_;
   const Stopwatch watch_{};
-  uint64_t done_ = 0;
+  uint64_t done_ = 0, total_ = 0;
   double drawn_at_s_ = 0;  // 0: never drawn
 };
 

@@ -70,12 +70,13 @@ class Frames {
         is_refined_(isRefined(job.arguments, job.scene)),
         strips_(job.scene.stripsOf(job.options)),
         options_(job.options) {
-    // A single picture has its own progress, if any.
-    if (frameCount(arguments_) > 1 && !arguments_.resources.quiet)
+    const bool is_watched = job.is_first && !arguments_.resources.quiet;
+    if (is_watched && frameCount(arguments_) > 1)
       progress_.emplace(progressLine("frames", ProgressUnit::kPieces),
                         static_cast<uint64_t>(job.to_draw.size()));
     else
       progress_.emplace();
+    if (is_watched && frameCount(arguments_) == 1 && !is_refined_) watchPicture();
     if (job.is_first && isFilmName(arguments_.output))
       film_.emplace(arguments_.output, options_.size, arguments_.frames_per_second, interruption());
   }
@@ -92,6 +93,16 @@ class Frames {
   }
 
  private:
+  // Progress of a single picture by its strips and clusters. If it has one, nobody knows how far it
+  // is.
+  void watchPicture() {
+    const ProgressWatch line = progressLine("drawing", ProgressUnit::kShare);
+    if (!line) return;
+    options_.watch = [this, line, strips = strips_.size()](uint64_t done, uint64_t total) {
+      if (strips * total > 1) line(strips_drawn_ * total + done, strips * total);
+    };
+  }
+
   // Tells the session and the series which frame comes, and which one next.
   void show(size_t at) {
     options_.camera = cameraOf(job_.cameras, job_.to_draw[at]);
@@ -127,12 +138,17 @@ class Frames {
     const auto write = [&](const Picture& rows) {
       const Stopwatch watch;
       if (writer) writer->add(rows);
+      ++strips_drawn_;
       write_seconds += watch.seconds();
     };
     if (!is_refined_)
       frame = scene_.draw(strips_, write);
     else if (writes)
       writer->add(frame.whole->picture);
+    if (options_.watch) {  // the session keeps the options
+      options_.watch = {};
+      scene_.setOptions(options_);
+    }
     drawn_.blocks = frame.blocks;
     drawn_.step_vox = shown.step_vox;
     std::string empty, empty_layers;
@@ -161,6 +177,7 @@ class Frames {
   const bool is_refined_;
   const std::vector<PictureRows> strips_;
   FrameOptions options_;
+  uint64_t strips_drawn_ = 0;
   std::optional<ProgressMeter> progress_;
   std::optional<FilmFile> film_;
   Drawn drawn_;
