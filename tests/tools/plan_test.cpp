@@ -188,8 +188,9 @@ TEST(Plan, refusesWhatRenderRefuses) {
         "--iso 100 --keep-thin", "--iso 100 --mode mip", "--shadows --mode mip",
         "--shadows --no-shade", "--occlusion-light --no-shade", "--depth-cueing 0.5 --mode mip",
         "--jitter 1 --mode average", "--culling toc --iso 100", "--culling toc --mode mip",
-        "--culling toc --level 1", "--pages 1 --block 64 --algorithm conventional", "--channel 3",
-        "--time 9", "--crop 5,0,0,5,5,5"}) {
+        "--occlusion cull --mode mip", "--culling toc --level 1",
+        "--pages 1 --block 64 --algorithm conventional", "--channel 3", "--time 9",
+        "--crop 5,0,0,5,5,5"}) {
     const std::string line = fmt::format("{} {}", kSmall, options);
     const CommandResult plan = program.run("plan " + line);
     EXPECT_NE(plan.status, 0) << line;

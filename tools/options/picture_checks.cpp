@@ -25,6 +25,8 @@ void checkPicture(const PictureArguments& picture) {
     fail("--culling knows nothing of surfaces; leave out --culling or --iso");
   if (culls && !traits.hides)
     fail("--culling needs --mode composite, since other modes hide nothing");
+  if (picture.frame.occlusion != Occlusion::kOff && !traits.hides)
+    fail("--occlusion needs --mode composite, since other modes hide nothing");
 }
 
 std::optional<CutOptions> cutOf(const PictureArguments& picture, bool refines, PictureRow row) {
