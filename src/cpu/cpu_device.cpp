@@ -112,8 +112,10 @@ void CpuDevice::beginFrame(const FrameSetup& setup, const StopToken& stop) {
   while (looks_.size() < channels) looks_.push_back(std::make_unique<ChannelLook>());
   takeLook(setup_, *looks_.front());
   for (size_t i = 1; i < channels; ++i) takeLook(setup_.others[i - 1], *looks_[i]);
+  drawing_ = {&kernels_, {}, channels};
+  for (size_t i = 0; i < channels; ++i) drawing_.frames[i] = &looks_[i]->tables->frame();
   picture_.begin(setup_, kernels_, rowsOfFrame());
-  if (setup_.is_part) parts_.begin(setup_, kernelFrame(), kernels_);
+  if (setup_.is_part) parts_.begin(setup_, drawing_);
 }
 
 void CpuDevice::takeLook(const FrameSetup& setup, ChannelLook& look) {
@@ -210,12 +212,7 @@ void CpuDevice::drawNow(const Then& then, Keep keep) {
   const std::vector<KernelBox> boxes = kernelBoxes();
   forgetPutOff();
   const TileBins bins = binsOf(boxes);
-  const KernelFrame& frame = kernelFrame();
-  std::vector<const KernelFrame*> frames;
-  for (size_t i = 0; i <= setup_.others.size(); ++i) frames.push_back(&looks_[i]->tables->frame());
-  const ModeTraits& traits = traitsOf(setup_.mode);
-  const bool in_layers = traits.needs_order && setup_.is_part;
-  const auto draw = kernels_.drawing(traits.combining);
+  const bool in_layers = traitsOf(setup_.mode).needs_order && setup_.is_part;
   if (keep == Keep::kPixels) picture_.makeRoom();
   eachTile(pool_, picture_.tiles(), [&](int64_t index) {
     std::span<const uint32_t> rest = bins.of(index);
@@ -227,11 +224,8 @@ void CpuDevice::drawNow(const Then& then, Keep keep) {
       const auto part = rest.first(std::min(kBoxesBetweenStops, rest.size()));
       if (in_layers)
         parts_.draw(index, boxes, part, tile);
-      else if (frames.size() > 1)
-        kernels_.blended(frames.data(), frames.size(), boxes.data(), part.data(), part.size(),
-                         tile);
       else
-        draw(frame, boxes.data(), part.data(), part.size(), tile);
+        drawing_.draw(boxes.data(), part.data(), part.size(), tile);
       rest = rest.subspan(part.size());
     }
     if (tile.taken > 0) taken_ += tile.taken;
@@ -262,14 +256,14 @@ uint64_t CpuDevice::countSamples(std::span<const BoxDraw> draws) {
   pool_.parallelFor(picture_.tiles(), [&](int64_t index) {
     const auto of_tile = bins.of(index);
     if (of_tile.empty()) return;
-    samples += kernels_.count(kernelFrame(), boxes.data(), of_tile.data(), of_tile.size(),
+    samples += kernels_.count(drawing_.frame(), boxes.data(), of_tile.data(), of_tile.size(),
                               picture_.drawnTile(index));
   });
   return samples;
 }
 
 uint64_t CpuDevice::takenSamples() {
-  SLUICE_CHECK(kernelFrame().counts_taken);
+  SLUICE_CHECK(drawing_.frame().counts_taken);
   return taken_;
 }
 

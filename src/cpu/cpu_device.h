@@ -4,8 +4,9 @@
 // a pool: a packet of pixels goes through a box together, a lane a pixel.
 //
 // The way of a box: draw() -> kernel_box.h (single precision, the pixels that may see it) ->
-// tile_bins.h -> composite_kernels.cpp or mode_kernels.cpp (sample positions: rays.inl; their
-// values: texels.inl; their colours: colors.inl) -> tiled_picture.h.
+// tile_bins.h -> composite_kernels.cpp, blended_kernels.cpp or mode_kernels.cpp (sample
+// positions: rays.inl; their values: texels.inl; their colours: colors.inl) -> tiled_picture.h, or
+// tile_parts.h for a part of a picture.
 //
 // Called by one thread; the pool's threads work inside the calls.
 #pragma once
@@ -85,7 +86,6 @@ class CpuDevice : public Device, public DrawsRows {
 
   // Takes the look of a channel for the frame that begins.
   void takeLook(const FrameSetup& setup, ChannelLook& look);
-  const KernelFrame& kernelFrame() const { return looks_.front()->tables->frame(); }
   // The boxes that were put off, for the kernels.
   std::vector<KernelBox> kernelBoxes() const;
   void forgetPutOff();
@@ -111,6 +111,7 @@ class CpuDevice : public Device, public DrawsRows {
   LightSquares light_squares_;                       // for the last frame that was lit
   std::vector<std::unique_ptr<ChannelLook>> looks_;  // the setup's own first
   uint64_t shown_numbers_ = 0;                       // given to looks
+  FrameKernels drawing_;                             // of the current frame
   bool leaps_ = false;                               // the frame does
   StopToken stop_;
   std::optional<PictureRows> rows_;

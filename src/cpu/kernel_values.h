@@ -177,16 +177,30 @@ struct Kernels {
   uint64_t (*count)(const KernelFrame& frame, const KernelBox* boxes, const uint32_t* indices,
                     size_t count, const TilePixels& tile) = nullptr;
 
-  // The kernel that draws frames of a mode.
-  auto drawing(Combining combining) const {
-    return combining == Combining::kBlend ? composite : other;
-  }
-
   // The index of the tile's pixel (x, y) in its arrays.
   int placeOf(int x, int y) const {
     const int packet = (y / packet_height) * (kTileSide / packet_width) + x / packet_width;
     return packet * packet_width * packet_height + (y % packet_height) * packet_width +
            x % packet_width;
+  }
+};
+
+// The kernels of a frame with its channels, the setup's own first: of several the boxes are drawn
+// with those that join them. The values that it points to must outlive it.
+struct FrameKernels {
+  const Kernels* kernels = nullptr;
+  std::array<const KernelFrame*, kMostBlended> frames{};
+  size_t channels = 0;
+
+  const KernelFrame& frame() const { return *frames[0]; }
+  // Draws the boxes of these indices in turn.
+  void draw(const KernelBox* boxes, const uint32_t* indices, size_t count, TilePixels& tile) const {
+    if (channels > 1)
+      kernels->blended(frames.data(), channels, boxes, indices, count, tile);
+    else if (frame().combining == Combining::kBlend)
+      kernels->composite(frame(), boxes, indices, count, tile);
+    else
+      kernels->other(frame(), boxes, indices, count, tile);
   }
 };
 

@@ -4,12 +4,11 @@
 
 namespace sluice {
 
-void TileParts::begin(const FrameSetup& setup, const KernelFrame& frame, const Kernels& kernels) {
+void TileParts::begin(const FrameSetup& setup, const FrameKernels& kernels) {
   setup_ = &setup;
-  frame_ = &frame;
   kernels_ = &kernels;
   for (int i = 0; i < kTilePixels; ++i)
-    place_[static_cast<size_t>(i)] = kernels.placeOf(i % kTileSide, i / kTileSide);
+    place_[static_cast<size_t>(i)] = kernels.kernels->placeOf(i % kTileSide, i / kTileSide);
   picture_ = emptyPartialPicture(setup.size);
   through_.assign(traitsOf(setup.mode).needs_order ? picture_.tiles.size() * kTilePixels : 0, 1.0F);
 }
@@ -25,13 +24,12 @@ void TileParts::draw(int64_t index, const std::vector<KernelBox>& boxes,
     const uint32_t layer = boxes[order[from]].layer;
     size_t to = from;
     while (to < order.size() && boxes[order[to]].layer == layer) ++to;
-    kernels_->drawing(frame_->combining)(*frame_, boxes.data(), order.data() + from, to - from,
-                                         tile);
+    kernels_->draw(boxes.data(), order.data() + from, to - from, tile);
     from = to;
     append(index, layer, tile);
     for (size_t i = 0; i < kTilePixels; ++i) {
       through[i] *= 1 - tile.color[3][i];
-      tile.stopped[i] = 1 - through[i] >= frame_->ray_opacity ? 1.0F : 0.0F;
+      tile.stopped[i] = 1 - through[i] >= kernels_->frame().ray_opacity ? 1.0F : 0.0F;
     }
     for (float* channel : tile.color) std::fill_n(channel, kTilePixels, 0.0F);
     if (tile.depth_sum != nullptr) std::fill_n(tile.depth_sum, kTilePixels, 0.0F);

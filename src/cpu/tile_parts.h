@@ -18,8 +18,8 @@ static_assert(kTileSide == kPartSide);
 
 class TileParts {
  public:
-  // To be called for each frame; `kernels` must outlive it.
-  void begin(const FrameSetup& setup, const KernelFrame& frame, const Kernels& kernels);
+  // To be called for each frame; `setup` and `kernels` must outlive it.
+  void begin(const FrameSetup& setup, const FrameKernels& kernels);
   // Modes that need an order: draws these boxes of one tile, whose pixels are empty before and
   // after.
   void draw(int64_t index, const std::vector<KernelBox>& boxes, std::span<const uint32_t> of_tile,
@@ -33,8 +33,7 @@ class TileParts {
   void append(int64_t index, uint32_t layer, const TilePixels& tile);
 
   const FrameSetup* setup_ = nullptr;
-  const KernelFrame* frame_ = nullptr;
-  const Kernels* kernels_ = nullptr;
+  const FrameKernels* kernels_ = nullptr;
   std::array<int, kTilePixels> place_{};  // in a tile's arrays, of pixels row after row
   PartialPicture picture_;
   std::vector<float> through_;  // transmittance of what lies in front, for each pixel of each tile

@@ -160,7 +160,6 @@ void GlDevice::stopOpaque() {
 
 void GlDevice::beginFrame(const FrameSetup& setup, const StopToken& stop) {
   SLUICE_CHECK_LE(setup.clip_planes.size(), kMostClipPlanes);
-  SLUICE_CHECK(setup.others.empty() || !setup.is_part);
   context_->makeCurrent();
   setup_ = setup;
   stop_ = stop;

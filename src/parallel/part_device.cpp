@@ -26,7 +26,7 @@ void PartDevice::evict(uint64_t id) {
 
 void PartDevice::beginFrame(const FrameSetup& setup, const StopToken& stop) {
   setup_ = setup;
-  setup_.is_part = !draws_whole_ && setup.others.empty();
+  setup_.is_part = !draws_whole_;
   setup_.most_part_bytes = most_bytes_;
   stop_ = stop;
   layers_.emplace(dealing_, setup_);

@@ -2,8 +2,8 @@
 // The frame that uses it does not know: it draws boxes front to back and ends with a picture, which
 // is empty; takePart() returns the part for compositing.h.
 //
-// A device that draws parts gets each box's layer. For any other device, and for frames that blend
-// several channels, the boxes are put off and drawn one layer after another, each as a picture of
+// A device that draws parts (Device::drawsParts()) gets each box's layer. For any other device,
+// such as OpenGL's, the boxes are put off and drawn one layer after another, each as a picture of
 // its own. The opacity reached on the device is that of one part alone, so it hides nothing
 // (leastOpacity() returns 0). Used on one thread, the device's.
 #pragma once
@@ -51,9 +51,7 @@ class PartDevice : public Device {
   void cancelFrame() override;
 
  private:
-  bool goesByLayers() const {
-    return !draws_whole_ && (!device_->drawsParts() || !setup_.others.empty());
-  }
+  bool goesByLayers() const { return !draws_whole_ && !device_->drawsParts(); }
   // Draws the boxes that were put off, on a device that does not draw parts.
   void drawPutOff();
   void takeLayer(uint32_t layer, const Picture& picture);

@@ -101,10 +101,13 @@ TEST_P(RanksChannels, blendThePictureOfOneProcess) {
 TEST_P(RanksChannels, blendASecondVolumeWithTheFirst) {
   expectSame(
       "synth:phantom,dims=60x64x68 --over synth:parts,dims=60x64x68 --combine blend --block 8");
-  // Blended pictures are of the finest level, which all channels deal alike.
-  expectSame(
-      "synth:phantom,dims=60x64x68,levels=3 --over synth:shells,dims=60x64x68,levels=3 "
-      "--combine blend --block 8");
+  // The cut through the levels is dealt once for all channels, whatever the algorithm loads.
+  for (const char* options : {"", "--pixel-error 8 --algorithm conventional",
+                              "--level 1 --algorithm conventional", "--level 1 --shade"})
+    expectSame(
+        fmt::format("synth:phantom,dims=60x64x68,levels=3 --over "
+                    "synth:shells,dims=60x64x68,levels=3 --combine blend --block 8 {}",
+                    options));
 }
 
 // A rank that decided for itself to leave a channel out would not meet the others.
