@@ -57,7 +57,9 @@ struct ChannelWay {
   V ray_length;
   Cells cells;
   BrickWay bricks;
-  V shown;  // the next slice that may show something, or about
+  // No slice before it shows anything, as far as is known; the block's end for lanes that are
+  // through the box.
+  V shown;
 };
 
 // Adds the channel's samples at slices k + first, ..., k + last - 1 to the mixtures of slices from
@@ -65,32 +67,51 @@ struct ChannelWay {
 using AddSamples = void (*)(const ChannelWay& way, const V& k, int first, int last, const M& going,
                             Mixture* mixtures, VI& taken);
 
+// A sample that waits for its colour.
+struct Sample {
+  M shows;
+  Numbers numbers;
+  V3 at;
+  Place place;
+};
+
 template <DeviceType kType, Shading kShading>
 HWY_NOINLINE void addSamples(const ChannelWay& way, const V& k, int first, int last, const M& going,
                              Mixture* mixtures, VI& taken) {
   const KernelFrame& frame = *way.frame;
   const KernelBox& box = *way.box;
   const V one = all(1.0F);
+  const bool selects = kShading != Shading::kSpread && !frame.shades_every_sample;
+  const V least = all(frame.least_visible), most = all(frame.most_visible);
+  const V3 start = way.first, pace = way.pace;
+  const V at_start = way.start, from = way.from, end = way.end;
+  const Cells cells = way.cells;
+  // All samples are read before the first gets its colour. Whether a sample shows is a branch that
+  // the processor often guesses wrong, and it would throw away what it had read ahead.
+  std::array<Sample, kSlicesAtOnce> samples;
+  VI counted = hn::Zero(I());
   V slice = hn::Add(k, all(static_cast<float>(first)));
   for (int j = first; j < last; ++j, slice = hn::Add(slice, one)) {
-    M shows = hn::And(going, hn::And(hn::Ge(slice, way.from), hn::Lt(slice, way.end)));
-    if (frame.counts_taken)
-      taken = hn::Sub(taken, hn::VecFromMask(I(), hn::RebindMask(I(), shows)));
-    const V part = hn::Sub(slice, way.start);
+    M shows = hn::And(going, hn::And(hn::Ge(slice, from), hn::Lt(slice, end)));
+    counted = hn::Sub(counted, hn::VecFromMask(I(), hn::RebindMask(I(), shows)));
+    const V part = hn::Sub(slice, at_start);
     // Lanes outside the box read its nearest texels.
-    const V3 at = clamped(way.cells, {hn::MulAdd(part, way.pace.x, way.first.x),
-                                      hn::MulAdd(part, way.pace.y, way.first.y),
-                                      hn::MulAdd(part, way.pace.z, way.first.z)});
-    const Place place = placeAt(way.cells, at);
-    const auto [value, square] = numbersAt<kType, kShading>(frame, box, place);
-    if (kType == DeviceType::kF32) shows = hn::AndNot(isNoNumber(value), shows);
-    if (kShading != Shading::kSpread && !frame.shades_every_sample) {
-      shows = hn::And(shows, hn::And(hn::Ge(value, all(frame.least_visible)),
-                                     hn::Le(value, all(frame.most_visible))));
-      if (hn::AllFalse(F(), shows)) continue;
-    }
-    const Color color =
-        colorOf<kType, kShading>(frame, box, at, place, value, square, way.ray_length);
+    const V3 at =
+        clamped(cells, {hn::MulAdd(part, pace.x, start.x), hn::MulAdd(part, pace.y, start.y),
+                        hn::MulAdd(part, pace.z, start.z)});
+    const Place place = placeAt(cells, at);
+    const Numbers numbers = numbersAt<kType, kShading>(frame, box, place);
+    if (kType == DeviceType::kF32) shows = hn::AndNot(isNoNumber(numbers.value), shows);
+    if (selects)
+      shows = hn::And(shows, hn::And(hn::Ge(numbers.value, least), hn::Le(numbers.value, most)));
+    samples[static_cast<size_t>(j)] = {shows, numbers, at, place};
+  }
+  if (frame.counts_taken) taken = hn::Add(taken, counted);
+  for (int j = first; j < last; ++j) {
+    const auto& [shows, numbers, at, place] = samples[static_cast<size_t>(j)];
+    if (hn::AllFalse(F(), shows)) continue;
+    const Color color = colorOf<kType, kShading>(frame, box, at, place, numbers.value,
+                                                 numbers.square, way.ray_length);
     Mixture& to = mixtures[j];
     to.sum = {hn::Add(to.sum.r, hn::IfThenElseZero(shows, color.r)),
               hn::Add(to.sum.g, hn::IfThenElseZero(shows, color.g)),
@@ -145,14 +166,13 @@ struct BlockWay {
   V middle;     // of a slice, in slices
 };
 
-HWY_INLINE void addWay(const KernelFrame& frame, const KernelBox& box, const TilePixels& tile,
+HWY_INLINE void addWay(const KernelFrame& frame, const KernelBox& box, const Positions& positions,
                        const Packet& packet, const V3& step, AddSamples adding,
                        BlockWay& all_ways) {
   const Slices slices = slicesIn(frame, box, packet, step);
   const M meets = hn::Gt(slices.count, hn::Zero(F()));
   if (hn::AllFalse(F(), meets)) return;
   ChannelWay& way = all_ways.ways[static_cast<size_t>(all_ways.count)];
-  const Positions positions = positionsIn(box, tile);
   const bool is_long = frame.perspective || frame.lit || frame.rows > 0;
   way.frame = &frame;
   way.box = &box;
@@ -164,6 +184,7 @@ HWY_INLINE void addWay(const KernelFrame& frame, const KernelBox& box, const Til
   way.end = hn::IfThenElse(meets, hn::Add(way.from, slices.count), hn::Neg(never));
   way.ray_length = is_long ? rayLengthOf(frame, packet) : all(1.0F);
   way.cells = cellsOf(box);
+  way.shown = way.from;
   way.bricks = box.distances != nullptr ? brickWay(box, way.first, way.pace) : noBrickWay();
   all_ways.adds[static_cast<size_t>(all_ways.count)] = adding;
   all_ways.from = all_ways.count == 0 ? way.from : hn::Min(all_ways.from, way.from);
@@ -176,8 +197,10 @@ HWY_INLINE V nextSlices(BlockWay& block, const V& k, const M& going) {
   V next = block.end;
   for (int c = 0; c < block.count; ++c) {
     ChannelWay& way = block.ways[static_cast<size_t>(c)];
-    V shown = hn::Max(k, way.from);
-    if (way.box->distances != nullptr) {
+    const M unseen = hn::And(going, hn::And(hn::Le(way.shown, k), hn::Lt(k, way.end)));
+    V shown = hn::Max(k, way.shown);
+    // A channel that is known to show nothing yet needs no look.
+    if (way.box->distances != nullptr && !hn::AllFalse(F(), unseen)) {
       bool leapt = false;
       const M asked = hn::And(going, hn::Lt(shown, way.end));
       const V at = hn::IfThenElse(asked, hn::Sub(shown, way.start), hn::Zero(F()));
@@ -244,6 +267,8 @@ HWY_NOINLINE void drawBoxes(const KernelFrame* const* frames, const Adding* adds
                             const KernelBox* boxes, TilePixels& tile) {
   const KernelFrame& frame = *frames[0];
   const auto [x_lo, y_lo, x_hi, y_hi] = packetsOf(boxes[0], tile);
+  std::array<Positions, kMostBlended> positions;
+  for (uint32_t i = 0; i <= boxes[0].joined; ++i) positions[i] = positionsIn(boxes[i], tile);
   for (int y = y_lo; y < y_hi; y += kPacketHeight)
     for (int x = x_lo; x < x_hi; x += kPacketWidth) {
       const int at = (y / kPacketHeight * (kTileSide / kPacketWidth) + x / kPacketWidth) * kLanes;
@@ -256,7 +281,8 @@ HWY_NOINLINE void drawBoxes(const KernelFrame* const* frames, const Adding* adds
       block.middle = hn::Add(packet.jitter, all(0.5F));
       for (uint32_t i = 0; i <= boxes[0].joined; ++i) {
         const uint32_t channel = boxes[i].channel;
-        addWay(*frames[channel], boxes[i], tile, packet, step, adds[channel].of(boxes[i]), block);
+        addWay(*frames[channel], boxes[i], positions[i], packet, step, adds[channel].of(boxes[i]),
+               block);
       }
       if (block.count == 0) continue;
       drawBlock(frame, block, going, pixels);
