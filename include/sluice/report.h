@@ -135,6 +135,8 @@ struct ShownLook {
     std::array<double, 3> rgb;    // the colour at the end of the range
     std::array<double, 2> range;  // its colours span these values
     double opacity = 0;  // the greatest, of one voxel length; for labels the factor of theirs
+    std::vector<Color> colors = {};  // ascending by value, linear in between
+    bool labels = false;             // its values are labels
   };
   std::vector<Color> colors;           // ascending by value, linear in between
   std::vector<Opacity> opacities;      // the same

@@ -9,6 +9,7 @@ import sys
 import window_driver
 from window_driver import Display, Window
 
+SCREEN = 960, 1000
 SIZE = ['--size', '480x980', '--device', 'cpu']
 
 
@@ -34,6 +35,13 @@ def slide(window, control, to):
     window.drag(window.place(control, 0.5), window.place(control, to))
 
 
+def pixel(window, place):
+    """Red, green and blue there."""
+    (x, y), (width, height) = place, SCREEN
+    at = 4 * (y * width + x)
+    return tuple(window.hand.pixels(width, height)[at:at + 3][::-1])
+
+
 def channels(folder):
     import numpy
     import tifffile
@@ -43,14 +51,19 @@ def channels(folder):
                          for c, b, a in places], axis=1)
     tifffile.imwrite(pathlib.Path(folder, 'cells.ome.tif'), stack, ome=True,
                      metadata={'axes': 'ZCYX', 'Channel': {'Name': ['DAPI', 'GFP', 'RFP']}})
-    with Display(960, 1000) as display, Window(display, sys.argv[1], ['cells.ome.tif', '--channel', '0,1,2', *SIZE],
+    with Display(*SCREEN) as display, Window(display, sys.argv[1], ['cells.ome.tif', '--channel', '0,1,2', *SIZE],
                                                folder) as window:
         window.wait('opened')
         window.whole(0)
         window.place('channel 2 opacity')
         window.shot('channels')
+        for channel, color in enumerate([(0, 255, 0), (255, 0, 255), (0, 255, 255)]):
+            found = pixel(window, window.place(f'channel {channel} bar', 0.98))
+            assert max(abs(a - b) for a, b in zip(found, color)) < 20, (channel, found)
+        second, third = (window.place(f'channel {channel} bar') for channel in (1, 2))
         changed(window, lambda: window.click('channel 1 shows', x=0.1))
         assert {'channel': '1', 'opacity': 0} in looks(save(window, folder)), save(window, folder)
+        assert window.place('channel 2 bar') == second != third, 'a channel that is hidden has a bar'
         window.shot('channels without one')
         changed(window, lambda: window.click('channel 1 shows', x=0.1))
         changed(window, lambda: slide(window, 'channel 0 opacity', 0.8))
@@ -69,7 +82,7 @@ def over(folder):
     script = pathlib.Path(__file__).parent.parent / 'tools/over.py'
     subprocess.run([sys.executable, script, 'write'], cwd=folder, check=True)
     volumes = ['scan.nrrd', '--over', 'labels.nrrd', '--combine', 'blend']
-    with Display(960, 1000) as display, Window(display, sys.argv[1], [*volumes, *SIZE], folder) as window:
+    with Display(*SCREEN) as display, Window(display, sys.argv[1], [*volumes, *SIZE], folder) as window:
         window.wait('opened')
         window.whole(0)
         window.shot('labels over a scan')
@@ -108,7 +121,7 @@ def looks(look):
 
 
 def surfaces(folder):
-    with Display(960, 1000) as display, Window(display, sys.argv[1], ['synth:shells,dims=48x48x48', *SIZE], folder) as window:
+    with Display(*SCREEN) as display, Window(display, sys.argv[1], ['synth:shells,dims=48x48x48', *SIZE], folder) as window:
         window.wait('opened')
         window.whole(0)
         changed(window, lambda: window.click('add a surface'))

@@ -37,6 +37,15 @@ LegendEntry patchOf(const Layer& layer) {
           colorAt(transfer, channel.is_over ? std::midpoint(lo, hi) : hi)};
 }
 
+bool hasOpacity(const OpacityPoint& point) {
+  return point.opacity > 0;
+}
+
+// A channel without opacity is switched off.
+bool showsSomething(const TransferFunction& transfer) {
+  return !transfer.surfaces.empty() || std::ranges::any_of(transfer.opacities, hasOpacity);
+}
+
 // The colours of a picture by depth: of world units behind the nearest part of what it shows.
 void showDepths(std::array<double, 2> depths_shown, Annotations& annotations) {
   const auto [near, far] = depths_shown;
@@ -69,13 +78,13 @@ Annotations annotationsOf(const PictureOutput& output, const FrameOptions& optio
     showDepths(shownDepths(annotations.view, layout, options), annotations);
   // Surfaces alone: no other value shows.
   const TransferFunction& transfer = scene.look.transfer;
-  if (std::ranges::none_of(transfer.opacities, [](const auto& point) { return point.opacity > 0; }))
+  if (std::ranges::none_of(transfer.opacities, hasOpacity))
     for (const IsoSurface& surface : transfer.surfaces)
       annotations.legend.push_back({fmt::format("{:.7g}", surface.value), surface.rgb});
   for (const Layer* layer : scene.layers()) {
     if (layer->look.transfer.labels) {
       addLabels(*layer, annotations);
-    } else if (!scene.more.empty()) {
+    } else if (!scene.more.empty() && showsSomething(layer->look.transfer)) {
       annotations.legend.push_back(patchOf(*layer));
     }
   }

@@ -10,17 +10,26 @@
 namespace sluice {
 namespace {
 
+std::vector<ShownLook::Color> shownColors(const TransferFunction& transfer) {
+  std::vector<ShownLook::Color> colors;
+  colors.reserve(transfer.colors.size());
+  for (const ColorPoint& point : transfer.colors)
+    colors.push_back({point.value, {point.rgb.x, point.rgb.y, point.rgb.z}});
+  return colors;
+}
+
 ShownLook::Channel shownChannel(const Layer& layer) {
   const TransferFunction& transfer = layer.look.transfer;
   ShownLook::Channel shown{.channel = layer.volume.channel.id(),
                            .name = layer.volume.channel.name,
                            .rgb = {1, 1, 1},
                            .range = {0, 1}};
-  if (!transfer.colors.empty()) {
-    const Vec3d& rgb = transfer.colors.back().rgb;
-    shown.rgb = {rgb.x, rgb.y, rgb.z};
-    shown.range = {transfer.colors.front().value, transfer.colors.back().value};
+  shown.colors = shownColors(transfer);
+  if (!shown.colors.empty()) {
+    shown.rgb = shown.colors.back().rgb;
+    shown.range = {shown.colors.front().value, shown.colors.back().value};
   }
+  shown.labels = transfer.labels;
   for (const OpacityPoint& point : transfer.opacities)
     shown.opacity = std::max(shown.opacity, point.opacity);
   if (transfer.labels) shown.opacity = layer.look.label_opacity;
@@ -31,8 +40,7 @@ ShownLook::Channel shownChannel(const Layer& layer) {
 
 ShownLook Drawing::shownLook() const {
   ShownLook shown;
-  for (const ColorPoint& point : scene_.look.transfer.colors)
-    shown.colors.push_back({point.value, {point.rgb.x, point.rgb.y, point.rgb.z}});
+  shown.colors = shownColors(scene_.look.transfer);
   for (const OpacityPoint& point : scene_.look.transfer.opacities)
     shown.opacities.push_back({point.value, point.opacity});
   for (const auto& [label, name] : scene_.look.label_names)

@@ -17,6 +17,10 @@ LookOptions::Channel& channelOf(LookOptions& look, std::string_view channel) {
   return look.channels.emplace_back(LookOptions::Channel{.channel = std::string(channel)});
 }
 
+std::string titleOf(const ShownLook::Channel& channel) {
+  return channel.name.empty() ? "channel " + channel.channel : channel.name;
+}
+
 Rgb colorAt(const ShownLook& look, double value) {
   const auto above = std::ranges::upper_bound(look.colors, value, {}, &ShownLook::Color::value);
   if (look.colors.empty()) return {1, 1, 1};

@@ -15,6 +15,9 @@ using Rgb = std::array<double, 3>;  // 0 to 1, as shown on a screen
 // The channel's own look within `look`, to be changed; an empty one is added if there is none.
 LookOptions::Channel& channelOf(LookOptions& look, std::string_view channel);
 
+// "GFP", or "channel 1" if the file gives no name.
+std::string titleOf(const ShownLook::Channel& channel);
+
 // The colour of a value.
 Rgb colorAt(const ShownLook& look, double value);
 

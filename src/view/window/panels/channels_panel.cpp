@@ -98,8 +98,7 @@ void channelsPanel(WindowState& window) {
     ImGui::SameLine();
     color(window, channel);
     ImGui::SameLine();
-    ImGui::TextUnformatted(
-        (channel.name.empty() ? "channel " + channel.channel : channel.name).c_str());
+    ImGui::TextUnformatted(titleOf(channel).c_str());
     range(window, channel);
     opacity(window, channel);
     ImGui::PopID();

@@ -6,22 +6,13 @@
 #include <cmath>
 
 #include "src/view/state/look_edit.h"
+#include "src/view/window/panels/overlay_text.h"
 #include "src/view/window/panels/panels.h"
 
 namespace sluice {
 namespace {
 
-constexpr ImU32 kInk = IM_COL32(235, 235, 235, 255), kShade = IM_COL32(0, 0, 0, 160);
-
 constexpr float kLarge = 1.35F;  // times the font, for the status of the window
-
-// Draws text that is readable over any picture.
-void text(ImDrawList& to, ImVec2 at, const std::string& words, ImU32 color = kInk,
-          float scale = 1) {
-  const float size = ImGui::GetFontSize() * scale;
-  to.AddText(nullptr, size, {at.x + 1, at.y + 1}, kShade, words.c_str());
-  to.AddText(nullptr, size, at, color, words.c_str());
-}
 
 std::string unitOf(const VolumeInfo& info) {
   if (info.unit == "millimeter") return "mm";
@@ -44,7 +35,8 @@ void axes(const WindowState& window, const Area& area, ImDrawList& to) {
     const ImVec2 end{origin.x + 30 * static_cast<float>(dot(world, view.right)),
                      origin.y - 30 * static_cast<float>(dot(world, view.up))};
     to.AddLine(origin, end, kColors[a], 2);
-    text(to, {end.x + 2, end.y - 7}, knows ? std::string(1, frame[a]) : kPlain[a], kColors[a]);
+    overlayText(to, {end.x + 2, end.y - 7}, knows ? std::string(1, frame[a]) : kPlain[a],
+                kColors[a]);
   }
 }
 
@@ -59,42 +51,16 @@ void scaleBar(const WindowState& window, const Area& area, float pixels, ImDrawL
   const auto wide = static_cast<float>(length / unit);
   const ImVec2 from{area.x + area.width - 20 - wide, area.y + area.height - 14};
   to.AddLine(from, {from.x + wide, from.y}, kInk, 2);
-  text(to, {from.x, from.y - 18}, fmt::format("{:g} {}", length, unitOf(window.info())));
-}
-
-void colorBar(const WindowState& window, const Area& area, ImDrawList& to) {
-  const auto& colors = window.volume.look.colors;
-  if (colors.size() < 2 || window.volume.look.labels) return;
-  if (window.state().look.mode == LookOptions::Mode::kDepthMaximum) return;  // colours of depths
-  const float x = area.x + area.width - 24, top = area.y + 20;
-  const float height = std::min(160.0F, area.height / 3);
-  const double lo = colors.front().value, hi = colors.back().value;
-  if (!(hi > lo)) return;
-  const auto y = [&](double value) {
-    return top + height * static_cast<float>((hi - value) / (hi - lo));
-  };
-  const auto color = [](const std::array<double, 3>& rgb) {
-    return ImGui::GetColorU32(
-        {static_cast<float>(rgb[0]), static_cast<float>(rgb[1]), static_cast<float>(rgb[2]), 1});
-  };
-  for (size_t i = 0; i + 1 < colors.size(); ++i) {
-    const ImU32 below = color(colors[i].rgb), above = color(colors[i + 1].rgb);
-    to.AddRectFilledMultiColor({x, y(colors[i + 1].value)}, {x + 12, y(colors[i].value)}, above,
-                               above, below, below);
-  }
-  for (const double value : {lo, hi}) {
-    const std::string words = fmt::format("{:.4g}", value);
-    text(to, {x - 6 - ImGui::CalcTextSize(words.c_str()).x, y(value) - 7}, words);
-  }
+  overlayText(to, {from.x, from.y - 18}, fmt::format("{:g} {}", length, unitOf(window.info())));
 }
 
 void value(const WindowState& window, const Area& area, ImDrawList& to) {
   if (!window.pointer.value) return;
   const auto& [voxel, world, found] = *window.pointer.value;
-  text(to, {area.x + 10, area.y + 10},
-       fmt::format("{} at {:.4g}, {:.4g}, {:.4g} {} (voxel {:.0f}, {:.0f}, {:.0f})",
-                   valueText(window.volume.look, found), world[0], world[1], world[2],
-                   unitOf(window.info()), voxel[0], voxel[1], voxel[2]));
+  overlayText(to, {area.x + 10, area.y + 10},
+              fmt::format("{} at {:.4g}, {:.4g}, {:.4g} {} (voxel {:.0f}, {:.0f}, {:.0f})",
+                          valueText(window.volume.look, found), world[0], world[1], world[2],
+                          unitOf(window.info()), voxel[0], voxel[1], voxel[2]));
 }
 
 }  // namespace
@@ -104,11 +70,12 @@ void drawOverlays(WindowState& window, const Area& area, float pixels) {
   const CornerText corner = cornerText(window);
   const float large = kLarge * ImGui::GetFontSize();
   if (!corner.text.empty())
-    text(to, {area.x + 10, area.y + area.height - large - 8}, corner.text,
-         corner.is_final ? kInk : IM_COL32(255, 200, 110, 255), corner.is_final ? 1 : kLarge);
+    overlayText(to, {area.x + 10, area.y + area.height - large - 8}, corner.text,
+                corner.is_final ? kInk : IM_COL32(255, 200, 110, 255),
+                corner.is_final ? 1 : kLarge);
   if (WindowClock::now() < window.messages.saved_until) {
-    text(to, {area.x + 10, area.y + 14 + ImGui::GetFontSize()}, window.messages.saved,
-         IM_COL32(150, 230, 150, 255), kLarge);
+    overlayText(to, {area.x + 10, area.y + 14 + ImGui::GetFontSize()}, window.messages.saved,
+                IM_COL32(150, 230, 150, 255), kLarge);
     window.loop.wakeBy(window.messages.saved_until);
   }
   // These overlays belong to the picture that is shown, which may be older than the one wished for.
@@ -118,7 +85,7 @@ void drawOverlays(WindowState& window, const Area& area, float pixels) {
   if (!window.panels.shows_axes) return;
   axes(window, area, to);
   scaleBar(window, area, pixels, to);
-  colorBar(window, area, to);
+  drawColorBars(window, area);
 }
 
 }  // namespace sluice

@@ -43,6 +43,9 @@ int boxHandleAt(const WindowState& window, const Area& area, float pixels, float
 // Drags it by so many screen units.
 void dragBoxHandle(WindowState& window, int face, float dx, float dy, float pixels);
 
+// Draws the bars of the colours that the picture shows. Several channels have a row each.
+void drawColorBars(WindowState& window, const Area& area);
+
 void drawBoxHandles(WindowState& window, const Area& area, float pixels);
 
 void helpWindow(WindowState& window);

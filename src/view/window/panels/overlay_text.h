@@ -1,0 +1,20 @@
+// Text over the picture.
+#pragma once
+
+#include <imgui.h>
+
+#include <string>
+
+namespace sluice {
+
+inline constexpr ImU32 kInk = IM_COL32(235, 235, 235, 255), kShade = IM_COL32(0, 0, 0, 160);
+
+// Draws text that is readable over any picture. `scale`: times the font.
+inline void overlayText(ImDrawList& to, ImVec2 at, const std::string& words, ImU32 color = kInk,
+                        float scale = 1) {
+  const float size = ImGui::GetFontSize() * scale;
+  to.AddText(nullptr, size, {at.x + 1, at.y + 1}, kShade, words.c_str());
+  to.AddText(nullptr, size, at, color, words.c_str());
+}
+
+}  // namespace sluice
