@@ -65,8 +65,9 @@ struct LookOptions {
 
   Mode mode = Mode::kComposite;
   // Composite mode, not with labels; at most 8. With threshold, opacity, opacities or transfer_file
-  // they are drawn together with what those show, and otherwise alone. Pictures with surfaces are
-  // drawn from the finest level, with plain samples at most a voxel apart.
+  // they are drawn together with what those show, and otherwise alone. Parts at coarser levels have
+  // the surfaces of the levels' means. Pictures with surfaces have plain samples at most a voxel of
+  // the finest level in them apart.
   std::vector<Surface> surfaces = {};
   // A ramp: opacity 0 below it, a fifth of `opacity` at it, and that at the top of the values.
   std::optional<double> threshold = {};

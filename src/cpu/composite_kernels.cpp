@@ -224,7 +224,7 @@ HWY_INLINE void drawPacket(const KernelFrame& frame, const KernelBox& box,
   const V ray_length = kShading == Shading::kTable ? all(1.0F) : rayLengthOf(frame, packet);
   // A value that stands for NaN is so large that even a rounding error's share of it would show.
   const bool clamps = kType == DeviceType::kF32 || kShading == Shading::kGradients ||
-                      hasTwoNumbers(kShading) || kShading == Shading::kSurfaces || frame.labels ||
+                      hasTwoNumbers(kShading) || hasSurfaces(kShading) || frame.labels ||
                       box.clamps;
   const V3 first = texelsAt(box, voxelsOf(positions, packet)), pace = texelsAlong(box, step);
   Passage<kType, kShading> passage{frame,
@@ -240,7 +240,7 @@ HWY_INLINE void drawPacket(const KernelFrame& frame, const KernelBox& box,
                                    step,
                                    placeOriginOf(frame, packet, step)};
   const V end = hn::Add(slices.from, slices.count);
-  if constexpr (kShading == Shading::kSurfaces)
+  if constexpr (hasSurfaces(kShading))
     passage.goBySurfaces(slices.from, end, box.distances != nullptr, pixels);
   else if constexpr (isIntegrated(kShading))
     passage.goBySegments(slices.from, end, box.distances != nullptr, pixels);
@@ -266,28 +266,36 @@ HWY_NOINLINE void drawBox(const KernelFrame& frame, const KernelBox& box, TilePi
 }
 
 template <DeviceType kType>
+HWY_INLINE void drawOne(const KernelFrame& frame, const KernelBox& box, TilePixels& tile) {
+  if (box.has_spread && frame.labels)
+    drawBox<kType, Shading::kShares>(frame, box, tile);
+  else if (box.has_spread && frame.surfaces > 0)
+    drawBox<kType, Shading::kSpreadSurfaces>(frame, box, tile);
+  else if (box.has_spread)
+    drawBox<kType, Shading::kSpread>(frame, box, tile);
+  else if (frame.surfaces > 0)
+    drawBox<kType, Shading::kSurfaces>(frame, box, tile);
+  else if (frame.sums != nullptr && (frame.lit || frame.rows > 0))
+    drawBox<kType, Shading::kSegmentGradients>(frame, box, tile);
+  else if (frame.sums != nullptr)
+    drawBox<kType, Shading::kSegments>(frame, box, tile);
+  else if (frame.lit || frame.rows > 0)
+    drawBox<kType, Shading::kGradients>(frame, box, tile);
+  else if (frame.perspective)
+    drawBox<kType, Shading::kLength>(frame, box, tile);
+  else
+    drawBox<kType, Shading::kTable>(frame, box, tile);
+}
+
+template <DeviceType kType>
 void drawTyped(const KernelFrame& frame, const KernelBox* boxes, const uint32_t* indices,
                size_t count, TilePixels& tile) {
   constexpr size_t kBoxesBetweenLooks = 8;
   for (size_t i = 0; i < count; ++i) {
     if (i % kBoxesBetweenLooks == 0 && isThrough(frame, tile)) return;
     const KernelBox& box = boxes[indices[i]];
-    if (box.has_spread && frame.labels)
-      drawBox<kType, Shading::kShares>(frame, box, tile);
-    else if (box.has_spread)
-      drawBox<kType, Shading::kSpread>(frame, box, tile);
-    else if (frame.surfaces > 0)
-      drawBox<kType, Shading::kSurfaces>(frame, box, tile);
-    else if (frame.sums != nullptr && (frame.lit || frame.rows > 0))
-      drawBox<kType, Shading::kSegmentGradients>(frame, box, tile);
-    else if (frame.sums != nullptr)
-      drawBox<kType, Shading::kSegments>(frame, box, tile);
-    else if (frame.lit || frame.rows > 0)
-      drawBox<kType, Shading::kGradients>(frame, box, tile);
-    else if (frame.perspective)
-      drawBox<kType, Shading::kLength>(frame, box, tile);
-    else
-      drawBox<kType, Shading::kTable>(frame, box, tile);
+    const KernelFrame& of_box = box.is_beside ? *frame.beside : frame;
+    if (!box.is_beside || of_box.surfaces > 0) drawOne<kType>(of_box, box, tile);
   }
 }
 

@@ -170,6 +170,7 @@ void appendPart(const FrameSetup& setup, const BoxDraw& box, const ChunkTexels* 
   result.axes = box.texels.axes;
   setScale(setup, box, result);
   result.layer = box.layer;
+  result.is_beside = box.beside.has_value();
   const double first = std::max(static_cast<double>(setup.first_slice), std::floor(near_slice));
   result.first_slice = static_cast<float>(first);
   const Vec3d at = rays.origin0 + rays.step0 * (first + 0.5) - lo;

@@ -56,6 +56,7 @@ FrameTables::FrameTables(const FrameSetup& setup, const LookUpTables& look_up,
   if (setup.has_surfaces) setSurfaces(*setup.look_up);
   setLights(setup, light_squares);
   if (colors) setRows(setup);
+  if (setup.has_surfaces) setBeside();
 }
 
 void FrameTables::setRays(const FrameSetup& setup) {
@@ -143,6 +144,21 @@ void FrameTables::setSurfaces(const LookUp& look_up) {
       frame_.surface_rgb[c][i] = static_cast<float>(surface.rgb[static_cast<int>(c)]);
   }
   frame_.has_opacities = showsOpacities(look_up);
+}
+
+// The same frame with its opaque surfaces alone.
+void FrameTables::setBeside() {
+  beside_ = frame_;
+  beside_.has_opacities = beside_.counts_taken = false;
+  beside_.surfaces = 0;
+  for (size_t i = 0; i < static_cast<size_t>(frame_.surfaces); ++i) {
+    if (frame_.surface_opacity[i] < 1) continue;
+    const auto to = static_cast<size_t>(beside_.surfaces++);
+    beside_.level[to] = frame_.level[i];
+    beside_.surface_opacity[to] = frame_.surface_opacity[i];
+    for (size_t c = 0; c < 3; ++c) beside_.surface_rgb[c][to] = frame_.surface_rgb[c][i];
+  }
+  frame_.beside = &beside_;
 }
 
 void FrameTables::setLights(const FrameSetup& setup, const uint64_t* light_squares) {

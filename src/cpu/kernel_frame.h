@@ -39,10 +39,12 @@ class FrameTables {
   void setRays(const FrameSetup& setup);
   void setLookUp(const LookUpTables& tables);
   void setSurfaces(const LookUp& look_up);
+  void setBeside();
   void setLights(const FrameSetup& setup, const uint64_t* light_squares);
   void setRows(const FrameSetup& setup);
 
   KernelFrame frame_;
+  KernelFrame beside_;  // with surfaces
   std::vector<float> row_starts_, row_growths_;
 };
 

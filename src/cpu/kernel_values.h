@@ -73,6 +73,7 @@ struct KernelFrame {
   std::array<std::array<float, kMostSurfaces>, 3> surface_rgb{};
   Float3 place_origin{};  // of the pixel at the lower left corner, from placeBase()
   bool has_opacities = true;
+  const KernelFrame* beside = nullptr;  // the same for boxes beside others, see BoxDraw::beside
 
   // For chunks with spreads: LookUp::expected as premultiplied rows. A mean's entry is mean *
   // mean_scale + mean_offset; a spread's row, from 1 on, is sqrt(spread * spread_scale) * rows.
@@ -144,6 +145,7 @@ struct KernelBox {
   const uint8_t* distances = nullptr;
   Float3 brick_at{}, brick_last{}, brick_stride{};
   uint32_t layer = 0;  // layer of a part
+  bool is_beside = false;  // BoxDraw::beside is set
   // Blended channels: the box's, and the number of boxes behind this one in the list that join it,
   // whose pixels count with this one's.
   uint32_t channel = 0, joined = 0;

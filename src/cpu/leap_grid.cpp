@@ -126,15 +126,16 @@ void setRanges(const ChunkTexels& chunk, int64_t margin, LeapGrid& grid) {
       });
 }
 
-// `expected`: null for labels.
+// `expected`: null if the means or labels alone count.
 template <class T>
-void setRangesOfSpreads(const ChunkTexels& chunk, const ExpectedLook* expected, LeapGrid& grid) {
+void setRangesOfSpreads(const ChunkTexels& chunk, const ExpectedLook* expected, int64_t margin,
+                        LeapGrid& grid) {
   const auto* texels = reinterpret_cast<const T*>(chunk.bytes.get());
   const int64_t columns = chunk.storage_vox.x;
   std::vector<SpreadBounds<T>> bounds(static_cast<size_t>(columns));
   auto* out = reinterpret_cast<Range<T>*>(grid.ranges.data());
   eachBrick(
-      chunk, grid.bricks, 0, [&] { std::ranges::fill(bounds, SpreadBounds<T>()); },
+      chunk, grid.bricks, margin, [&] { std::ranges::fill(bounds, SpreadBounds<T>()); },
       [&](int64_t row) { widenBySpread(texels + 2 * row, bounds.data(), columns); },
       [&](size_t first, size_t end) {
         SpreadBounds<T> all;
@@ -258,7 +259,7 @@ LeapGrid leapGrid(const ChunkTexels& chunk, const ExpectedLook* expected, int64_
     visitDeviceType(chunk.type, [&](auto tag) {
       using T = decltype(tag);
       if (chunk.has_spread)
-        setRangesOfSpreads<T>(chunk, expected, grid);
+        setRangesOfSpreads<T>(chunk, expected, margin, grid);
       else
         setRanges<T>(chunk, margin, grid);
     });

@@ -39,8 +39,8 @@ struct LeapGrid {
 };
 
 // Makes the grid without distances. `expected` gives the look of spreads, if the chunk has them;
-// null: the second numbers are shares of labels, which show no other values.
-// `margin`: a sample shows values up to so many texels from it, of a chunk without spreads.
+// null: the second numbers make no other values show, as shares of labels do not.
+// `margin`: a sample shows values up to so many texels from it.
 LeapGrid leapGrid(const ChunkTexels& chunk, const ExpectedLook* expected = nullptr,
                   int64_t margin = 0);
 void setDistances(LeapGrid& grid, DeviceType type, const ShownValues& shown);

@@ -12,9 +12,16 @@ enum class Shading {
   kSegments,
   kSegmentGradients,
   kSurfaces,  // with surfaces, see FrameSetup::has_surfaces; with or without gradients, either view
+  kSpreadSurfaces,  // the same of chunks with spreads
 };
+constexpr bool hasSpreads(Shading shading) {
+  return shading == Shading::kSpread || shading == Shading::kSpreadSurfaces;
+}
 constexpr bool hasTwoNumbers(Shading shading) {
-  return shading == Shading::kSpread || shading == Shading::kShares;
+  return hasSpreads(shading) || shading == Shading::kShares;
+}
+constexpr bool hasSurfaces(Shading shading) {
+  return shading == Shading::kSurfaces || shading == Shading::kSpreadSurfaces;
 }
 constexpr bool isIntegrated(Shading shading) {
   return shading == Shading::kSegments || shading == Shading::kSegmentGradients;
@@ -27,7 +34,7 @@ struct Numbers {
 };
 template <DeviceType kType, Shading kShading>
 HWY_INLINE Numbers numbersAt(const KernelFrame& frame, const KernelBox& box, const Place& place) {
-  if constexpr (kShading == Shading::kSpread) {
+  if constexpr (hasSpreads(kShading)) {
     const SpreadValue both = spreadAt<kType>(box, place, frame.spread_scale);
     return {both.mean, both.square};
   } else if constexpr (kShading == Shading::kShares) {
@@ -88,11 +95,10 @@ HWY_INLINE Color colorOf(const KernelFrame& frame, const KernelBox& box, const V
     color = {hn::Mul(color.r, color.a), hn::Mul(color.g, color.a), hn::Mul(color.b, color.a),
              color.a};
   }
-  if constexpr (kShading == Shading::kGradients || kShading == Shading::kSpread ||
-                kShading == Shading::kSurfaces) {
+  if constexpr (kShading == Shading::kGradients || hasSpreads(kShading) || hasSurfaces(kShading)) {
     Gradient gradient{};
     // The opacity of spreads may not need it: then only samples that show something do.
-    const bool comes_later = kShading == Shading::kSpread && frame.rows == 0;
+    const bool comes_later = hasSpreads(kShading) && frame.rows == 0;
     if (!comes_later && (frame.rows > 0 || (frame.lit && !frame.labels)))
       gradient = gradientOf(box, differencesOf<kType, kShading>(box, at, place));
     V factor = all(1.0F);
@@ -108,7 +114,7 @@ HWY_INLINE Color colorOf(const KernelFrame& frame, const KernelBox& box, const V
     if (frame.rows > 0 || frame.perspective)
       color = {hn::Mul(color.r, color.a), hn::Mul(color.g, color.a), hn::Mul(color.b, color.a),
                color.a};
-    if constexpr (kShading == Shading::kSpread)
+    if constexpr (hasSpreads(kShading))
       color = expectedColor(frame, value, square, factor,
                             hn::Mul(ray_length, all(frame.slice_length)), color);
     if (comes_later) {

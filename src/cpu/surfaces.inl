@@ -34,10 +34,19 @@ HWY_INLINE MetSurface surfaceOf(const KernelFrame& frame, M up, int n) {
            hn::Mul(either(blue), opacity), opacity}};
 }
 
-// Apart, since few samples meet a surface: loops over many stay small.
-template <DeviceType kType>
+// A surface lies where the values pass its level; in chunks with spreads the means are the values.
+// The function after this one is a call, since few samples meet a surface: loops over many stay
+// small.
+template <DeviceType kType, Shading kShading>
+HWY_INLINE V surfaceValueAt(const KernelBox& box, const Place& place) {
+  if constexpr (hasSpreads(kShading))
+    return meanAt<kType>(box, place);
+  else
+    return valueAt<kType>(box, place);
+}
+template <DeviceType kType, Shading kShading>
 HWY_NOINLINE V valueThere(const KernelBox& box, const Cells& stored, const V3& at) {
-  return valueAt<kType>(box, placeAt(stored, clamped(stored, at)));
+  return surfaceValueAt<kType, kShading>(box, placeAt(stored, clamped(stored, at)));
 }
 
 // The search for a level: parts of the way from slice to slice, 0 to 1, and the values there.
@@ -47,7 +56,7 @@ struct Search {
 };
 // The part of the way at which the values pass the level: halved six times, and once more where a
 // straight line between the two last values passes it.
-template <DeviceType kType, class PlaceAlong>
+template <DeviceType kType, Shading kShading, class PlaceAlong>
 HWY_NOINLINE V crossing(const KernelBox& box, const Cells& stored, const PlaceAlong& placeAlong,
                       const Search& search) {
   constexpr int kHalvings = 6;
@@ -55,7 +64,7 @@ HWY_NOINLINE V crossing(const KernelBox& box, const Cells& stored, const PlaceAl
   V lo = search.from, hi = all(1.0F), value_lo = search.value_from, value_hi = search.value_end;
   for (int i = 0; i < kHalvings; ++i) {
     const V middle = hn::Mul(all(0.5F), hn::Add(lo, hi));
-    const V value = valueThere<kType>(box, stored, placeAlong(middle));
+    const V value = valueThere<kType, kShading>(box, stored, placeAlong(middle));
     const M is_before = hn::Not(hn::Xor(hn::Lt(value, search.level), up));
     lo = hn::IfThenElse(is_before, middle, lo);
     value_lo = hn::IfThenElse(is_before, value, value_lo);
@@ -70,7 +79,7 @@ HWY_NOINLINE V crossing(const KernelBox& box, const Cells& stored, const PlaceAl
 }
 
 // The colour of a surface at a place, lit if the frame is.
-template <DeviceType kType>
+template <DeviceType kType, Shading kShading>
 HWY_NOINLINE Color surfaceColor(const KernelFrame& frame, const KernelBox& box, const Cells& stored,
                               const V3& at, const MetSurface& surface) {
   if (!frame.lit) return surface.color;
@@ -81,7 +90,7 @@ HWY_NOINLINE Color surfaceColor(const KernelFrame& frame, const KernelBox& box, 
     const V3 there{x ? hn::Add(at.x, half) : hn::Sub(at.x, half),
                    y ? hn::Add(at.y, half) : hn::Sub(at.y, half),
                    z ? hn::Add(at.z, half) : hn::Sub(at.z, half)};
-    V value = valueThere<kType>(box, stored, there);
+    V value = valueThere<kType, kShading>(box, stored, there);
     // A corner that is no number tells nothing of the slope.
     if (kType == DeviceType::kF32)
       value = hn::IfThenElse(isNoNumber(value), surface.level, value);
@@ -118,7 +127,8 @@ HWY_INLINE V Passage<kType, kShading>::sharedEndAt(V k, const Cells& stored) con
   };
   const V3 voxels{localAt(0, place_origin.x, step.x), localAt(1, place_origin.y, step.y),
                   localAt(2, place_origin.z, step.z)};
-  return valueAt<kType>(box, placeAt(stored, clamped(stored, texelsAt(box, voxels))));
+  return surfaceValueAt<kType, kShading>(
+      box, placeAt(stored, clamped(stored, texelsAt(box, voxels))));
 }
 
 // Slices [k, end), each with the surfaces on its way.
@@ -157,7 +167,8 @@ HWY_NOINLINE SliceColor Passage<kType, kShading>::sliceAt(V k, V end, M within) 
   const Sample sample = take(k, end);
   M shows = hn::And(within, hn::And(hn::Ge(sample.value, all(frame.least_visible)),
                                     hn::Le(sample.value, all(frame.most_visible))));
-  if (frame.shades_every_sample) shows = within;
+  // Of spreads other values than the mean may show.
+  if (hasSpreads(kShading) || frame.shades_every_sample) shows = within;
   if (kType == DeviceType::kF32) shows = hn::AndNot(isNoNumber(sample.value), shows);
   const V none = hn::Zero(F());
   if (hn::AllFalse(F(), shows)) return {{none, none, none, none}, shows};
@@ -189,11 +200,11 @@ HWY_NOINLINE bool Passage<kType, kShading>::blendParts(V k, V end, M within, M m
     const M hit = hn::And(meets, meetsLevel(stretch, surface.level));
     if (hn::AllFalse(F(), hit)) continue;
     const V part =
-        crossing<kType>(box, stored, placeAlong,
+        crossing<kType, kShading>(box, stored, placeAlong,
                         {surface.level, from, value, stretch.back, hn::VecFromMask(F(), up)});
     if (!hn::AllFalse(F(), slice.shows))
       add(partOf(slice.color, hn::Sub(part, from)), hn::And(slice.shows, hit), k, pixels);
-    const Color color = surfaceColor<kType>(frame, box, stored, placeAlong(part), surface);
+    const Color color = surfaceColor<kType, kShading>(frame, box, stored, placeAlong(part), surface);
     goes = add(color, hit, hn::Add(near_end, part), pixels);
     from = hn::IfThenElse(hit, part, from);
     value = hn::IfThenElse(hit, surface.level, value);

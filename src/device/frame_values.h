@@ -15,6 +15,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "src/base/looks/surface_look.h"
@@ -132,12 +133,13 @@ struct FrameSetup {
   // so that the ghost layer around each block has their texels, and beyond the volume its outermost
   // ones continue. Boxes take in all cells within a voxel of one that shows something.
   bool integrates = false;
-  // Composite only, not of labels or chunks with spreads: the surfaces of the look-up are drawn
-  // together with its opacities, which may be 0 everywhere. Slice k stands for the way from slice
-  // k - 1/2 to k + 1/2, as it does for a frame that integrates, and slices are at most a voxel
-  // apart along any axis. A surface shows where the value passes its level between these two
-  // places, at the first of several such places in order of the levels. Its normal is the gradient
-  // there: the differences between the eight corners of a unit cube around it, in voxels. What
+  // Composite only, not of labels: the surfaces of the look-up are drawn together with its
+  // opacities, which may be 0 everywhere. Slice k stands for the way from slice k - 1/2 to k + 1/2,
+  // as it does for a frame that integrates, and slices are at most a texel apart along any axis. A
+  // surface shows where the value passes its level between these two places, at the first of
+  // several such places in order of the levels; in chunks with spreads the value is the mean. Its
+  // normal is the gradient there: the differences between the eight corners of a unit cube around
+  // it, in texels. What
   // slice k shows of the opacities is divided by the surfaces in proportion to the parts of the
   // way.
   //
@@ -214,6 +216,11 @@ struct BoxDraw {
   // before it.
   uint32_t channel = 0;
   bool joins = false;
+  // Frames with surfaces: this box lies beside the cells of another one of the chunk, in texels
+  // around it. Only opaque surfaces are drawn in it, and no opacities: where parts of the volume
+  // that are of other levels of resolution meet, a surface may lie on one side of a face for the
+  // one and on the other side for the other, so that neither would show it.
+  std::optional<Box3> beside = {};
 };
 
 // Which faces of a box lie on faces of the cells that may show: at these a ray enters or leaves

@@ -23,6 +23,9 @@ constexpr Vec3d kOne{1, 1, 1};
 bool haveOneScale(const BoxDraw& a, const BoxDraw& b) {
   return a.texels.indexScale() == b.texels.indexScale();
 }
+bool haveOneProgram(const BoxDraw& a, const BoxDraw& b) {
+  return haveOneScale(a, b) && a.beside.has_value() == b.beside.has_value();
+}
 
 // The boxes from the first on that are `alike` it.
 template <class Alike>
@@ -186,23 +189,24 @@ void GlDevice::beginFrame(const FrameSetup& setup, const StopToken& stop) {
     blended_.begin(setup_, fetches_);
 }
 
-void GlDevice::setFrame(GlProgram& program) {
+void GlDevice::setFrame(const ShaderVariant& variant, GlProgram& program) {
   setFrameView(program);
   program.set("chunk", static_cast<int>(kChunkUnit));
   look_.setLookUp(setup_, variant_, program);
   const ModeTraits& traits = traitsOf(setup_.mode);
-  if (traits.has_colors) setShading(setup_, variant_, program);
+  if (traits.has_colors) setShading(setup_, variant, program);
   if (variant_.light_volume) look_.setLight(setup_, program);
   if (traits.combining == Combining::kAttenuated) program.set("kept", static_cast<int>(kKeptUnit));
   setWindow(setup_, program);
 }
 
-GlProgram& GlDevice::frameProgram(Vec3d scale, bool has_spread) {
+GlProgram& GlDevice::frameProgram(Vec3d scale, bool has_spread, bool beside) {
   SLUICE_CHECK(!has_spread || drawsSpreads(setup_));
-  const ShaderVariant variant = boxVariant(variant_, scale, has_spread);
+  ShaderVariant variant = boxVariant(variant_, scale, has_spread);
+  if (beside) variant = besideVariant(setup_, variant);
   GlProgram& program = programFor(variant);
   if (told_.insert(variant).second) {
-    setFrame(program);
+    setFrame(variant, program);
     look_.setSecondNumber(setup_, variant, program);
     if (variant.integrates) look_.setSums(setup_, program);
   }
@@ -247,7 +251,7 @@ void GlDevice::draw(std::span<const BoxDraw> boxes) {
     boxes = boxes.subspan(of_chunk.size());
     ++binds_;
     while (!of_chunk.empty()) {
-      const auto part = firstAlike(of_chunk, haveOneScale);
+      const auto part = firstAlike(of_chunk, haveOneProgram);
       drawFromChunk(part);
       of_chunk = of_chunk.subspan(part.size());
     }
@@ -257,8 +261,10 @@ void GlDevice::draw(std::span<const BoxDraw> boxes) {
 void GlDevice::drawFromChunk(std::span<const BoxDraw> boxes) {
   const auto found = resident_.find(boxes.front().chunk);
   SLUICE_CHECK(found != resident_.end());
+  const bool beside = boxes.front().beside.has_value();
+  if (beside && besideVariant(setup_, variant_).surfaces == 0) return;  // none is opaque
   const Vec3d size = toDouble(found->second.storage_vox);
-  frameProgram(boxes.front().texels.indexScale(), found->second.format.has_spread)
+  frameProgram(boxes.front().texels.indexScale(), found->second.format.has_spread, beside)
       .set("chunk_texel_size", Vec3d{1 / size.x, 1 / size.y, 1 / size.z});
   gl_.ActiveTexture(GL_TEXTURE0 + kChunkUnit);
   gl_.BindTexture(GL_TEXTURE_3D, found->second.texture);

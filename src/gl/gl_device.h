@@ -68,9 +68,9 @@ class GlDevice : public Device, public DrawsForScreens, public DrawsRows {
   GlProgram& programFor(const ShaderVariant& variant);
   // The frame's program for boxes of this scale (TexelMap::indexScale()) of a chunk with spreads or
   // without: told of the frame, in use.
-  GlProgram& frameProgram(Vec3d scale, bool has_spread);
+  GlProgram& frameProgram(Vec3d scale, bool has_spread, bool beside = false);
   // Tells a program of the frame all that no box changes.
-  void setFrame(GlProgram& program);
+  void setFrame(const ShaderVariant& variant, GlProgram& program);
   void setFrameView(GlProgram& program);
   void setBlending(Combining combining);
   // Restores the state of beginFrame() after another pass.

@@ -45,7 +45,7 @@ void PartDevice::draw(std::span<const BoxDraw> boxes) {
   }
   std::vector<BoxDraw> placed(boxes.begin(), boxes.end());
   if (traitsOf(setup_.mode).needs_order)
-    for (BoxDraw& box : placed) box.layer = layers_->layerOf(box.cells);
+    for (BoxDraw& box : placed) box.layer = layers_->layerOf(box.beside.value_or(box.cells));
   if (!goesByLayers()) {
     device_->draw(placed);
     return;

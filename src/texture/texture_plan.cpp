@@ -31,6 +31,7 @@ TextureBlock wholeBlock(const PyramidLayout& pyramid, const ObjectBlock& object)
   result.voxels = layout.cube(layout.indexOf(object.name.block));
   result.voxels.hi = result.voxels.lo + Vec3i{side, side, side};
   result.cells = object.cells;
+  result.level_faces = object.level_faces;
   return result;
 }
 

@@ -179,6 +179,84 @@ TEST_F(SpreadTest, spreadsGiveThePictureOfPlainLoops) {
       }
 }
 
+// A smooth field, so that rounding moves no surface far, with any spread.
+Texel wavesAt(int64_t i) {
+  const auto x = static_cast<double>(i % kDims.x), y = static_cast<double>(i / kDims.x % kDims.y),
+             z = static_cast<double>(i / (kDims.x * kDims.y));
+  return {std::floor(128 + 70 * std::sin(x / 4) * std::cos(y / 5) + 50 * std::sin(z / 3 + 0.3)),
+          noiseAt(i).spread / 4};
+}
+
+FrameSetup withSurfaces(FrameSetup setup, bool is_alone) {
+  LookUp look_up = *setup.look_up;
+  if (is_alone)
+    for (size_t i = 3; i < look_up.rgba.size(); i += 4) look_up.rgba[i] = 0;
+  look_up.surfaces = {{90.3, 0.4, {0.2, 0.9, 0.4}}, {150.6, 1, {1, 0.3, 0.1}}};
+  look_up.expected = std::make_shared<const ExpectedLook>(expectedLook(look_up, kRange));
+  setup.look_up = std::make_shared<const LookUp>(std::move(look_up));
+  setup.has_surfaces = true;
+  return setup;
+}
+
+int64_t pixelsApart(const Picture& a, const Picture& b, double tolerance_255) {
+  int64_t apart = 0;
+  for (size_t i = 0; i < a.rgba.size(); i += 4) {
+    double worst = 0;
+    for (size_t c = i; c < i + 4; ++c)
+      worst = std::max(worst, std::abs(255.0 * a.rgba[c] - 255.0 * b.rgba[c]));
+    apart += worst > tolerance_255 ? 1 : 0;
+  }
+  return apart;
+}
+
+// Rays that touch a surface may meet it or not by rounding.
+constexpr int64_t kMostTouching = 2;
+
+TEST_F(SpreadTest, surfacesLieWhereTheMeansPassTheirValues) {
+  PlainDevice plain;
+  for (const DeviceType type : kTypes)
+    for (const Seen& seen : composites())
+      for (const bool is_alone : {false, true})
+        for (const Vec3d scale : {Vec3d{1, 1, 1}, {0.5, 0.25, 0.5}}) {
+          SCOPED_TRACE(fmt::format("{} {} alone {} scale {}", name(type), seen.words(), is_alone,
+                                   scale.x));
+          const FrameSetup setup = withSurfaces(setupOf(seen, type), is_alone);
+          const ChunkTexelsPtr chunk = chunkOf(wavesAt, type, true);
+          const Picture drawn = drawOn(*device_, setup, chunk, scale);
+          EXPECT_GT(mostOpacity(drawn), 0.99);
+          EXPECT_LE(pixelsApart(drawn, drawOn(plain, setup, chunk, scale), 2), kMostTouching);
+          if (!is_alone) continue;
+          // Without opacities the spreads make no difference.
+          const ChunkTexelsPtr means = chunkOf(wavesAt, type, false);
+          EXPECT_LE(pixelsApart(drawn, drawOn(*device_, setup, means, scale), 1), kMostTouching);
+        }
+}
+
+TEST_F(SpreadTest, besideABoxOpaqueSurfacesAloneShow) {
+  PlainDevice plain;
+  for (const bool has_spread : {false, true}) {
+    const FrameSetup setup = withSurfaces(setupOf({}, DeviceType::kU8), false);
+    const ChunkTexelsPtr chunk = chunkOf(wavesAt, DeviceType::kU8, has_spread);
+    const auto drawBeside = [&](Device& device) {
+      BoxDraw box;
+      box.chunk = 1;
+      box.cells = {{3, 2, 1}, {kDims.x - 1, kDims.y - 1, kDims.z - 1}};
+      box.beside = Box3{{0, 0, 0}, {3, 2, 1}};
+      device.makeResident(1, chunk);
+      device.beginFrame(setup);
+      device.draw({&box, 1});
+      Picture picture = device.endFrame();
+      device.evict(1);
+      return picture;
+    };
+    const Picture drawn = drawBeside(*device_);
+    EXPECT_GT(mostOpacity(drawn), 0.99);
+    EXPECT_LE(pixelsApart(drawn, drawBeside(plain), 2), kMostTouching);
+    for (size_t i = 3; i < drawn.rgba.size(); i += 4)
+      EXPECT_TRUE(drawn.rgba[i] == 0 || drawn.rgba[i] > 0.99F);
+  }
+}
+
 // The nearest mean shows something: a sample with any part of a NaN takes neither that look nor the
 // look of its neighbours.
 TEST_F(SpreadTest, samplesThatMeetATexelThatIsNoNumberShowNothing) {

@@ -159,6 +159,8 @@ TEST_P(RanksProgram, drawTheCutThroughLevelsOfOneProcess) {
       {kMany, "--level 3"},
       {kMany, "--projection perspective --zoom 3 --pixel-error 2"},
       {kMany, "--pixel-error 0.3 --max-bytes 300K"},
+      {kMany, "--iso 90 --projection perspective --zoom 3 --pixel-error 2"},
+      {kMany, "--iso 70:0.4,120 --level 1"},
       {kFew, ""},
       {kFew, "--projection perspective --zoom 0.5 --pixel-error 2"}};
   for (const auto& [volume, cut] : cases) {

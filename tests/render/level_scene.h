@@ -19,9 +19,10 @@ inline constexpr int64_t kBlock = 16;
 
 // A source with levels of means above it; without spreads each level has ranges of its own.
 struct Pyramid {
-  Pyramid(VolumeSource& finest, int64_t count, bool lit = false, Spreads spreads = Spreads::kNone)
+  Pyramid(VolumeSource& finest, int64_t count, bool lit = false, Spreads spreads = Spreads::kNone,
+          int64_t block = kBlock)
       : source(finest), means(finest, count, spreads), pool(2) {
-    PyramidLayout layout(blockLayout(finest.layout().dims, kBlock, lit ? 2 : 1));
+    PyramidLayout layout(blockLayout(finest.layout().dims, block, lit ? 2 : 1));
     step.source = &finest;
     step.ranges = rangesOf(finest, layout.finest());
     for (const CoarserLevel& level : means.levels()) {

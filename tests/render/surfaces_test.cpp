@@ -9,6 +9,7 @@
 
 #include "src/render/session/planner.h"
 #include "tests/render/blob_scene.h"
+#include "tests/render/one_light.h"
 #include "tests/render/right_picture.h"
 
 namespace sluice {
@@ -143,15 +144,6 @@ std::unique_ptr<MemorySource> distances() {
     return static_cast<float>(length(
         Vec3d{static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)} - kMiddle));
   });
-}
-
-// A single light, whose brightness is the product of its direction and the normal.
-Lighting oneLight(Vec3d toward) {
-  Lighting lighting;
-  lighting.ambient = lighting.specular = 0;
-  lighting.diffuse = 1;
-  lighting.lights = {{{toward, 1}, {toward, 0}}};
-  return lighting;
 }
 
 TEST_F(SurfacesTest, aSphereHasItsRadiusAndItsNormalsFromAllSides) {

@@ -259,6 +259,7 @@ void PlainDevice::blendSurfaces(const Ray& ray, const BoxDraw& box, const ChunkT
   double from = 0;
   for (const PlainSurface& surface : surfacesBetween(
            setup_, box.texels, chunk, [&](double part) { return ray.at(k - 0.5 + part); })) {
+    if (box.beside && surface.level.opacity < 1) continue;
     blend(partOf(sample, surface.part - from), pixel);
     from = surface.part;
     const Vec3d rgb = setup_.lit ? litPlainly(setup_, ray.at(k - 0.5 + surface.part),
@@ -272,6 +273,12 @@ void PlainDevice::blendSurfaces(const Ray& ray, const BoxDraw& box, const ChunkT
 }
 
 void PlainDevice::take(const Ray& ray, const BoxDraw& box, const ChunkTexels& chunk, Pixel& pixel) {
+  if (box.beside) {
+    const auto [from, to] = ray.slicesIn(box.cells, setup_);
+    for (int64_t k = from; k < to; ++k)
+      blendSurfaces(ray, box, chunk, static_cast<double>(k), {}, pixel);
+    return;
+  }
   const bool composite = setup_.mode == Mode::kComposite;
   const LookUp& look_up = *setup_.look_up;
   double in_box = 0;
@@ -374,7 +381,10 @@ void PlainDevice::take(const Ray& ray, const BoxDraw& box, const ChunkTexels& ch
       for (int c = 0; c < 3 && a > 0; ++c)
         sum[c] += expected.share * whole * expected.rgba[static_cast<size_t>(c)] / a;
       opacity = opacity * exact + expected.share * whole;
-      if (!(opacity > 0)) return true;
+      if (!(opacity > 0)) {
+        if (setup_.has_surfaces) blendSurfaces(ray, box, chunk, k, {}, pixel);
+        return true;
+      }
       rgb = sum / opacity;
     }
     if (setup_.lit && labels) {

@@ -72,7 +72,7 @@ TEST_F(Looks, blocksWithoutASurfaceAreNotRead) {
 TEST_F(Looks, surfacesAreRefusedWhereThereCanBeNone) {
   const std::string small = kSmall;
   EXPECT_THAT(refusal(small + " --iso 100 --mode mip"), HasSubstr("--iso needs --mode composite"));
-  EXPECT_THAT(refusal(small + " --iso 100 --level 1"), HasSubstr("--iso draws the finest level"));
+  EXPECT_THAT(refusal(small + " --iso 100 --level 1"), HasSubstr("--level 1: there is 1 level"));
   EXPECT_THAT(
       refusal(small + " --iso 100:1:nocolour"),
       HasSubstr("--iso 100:1:nocolour: there is no colour nocolour; give RRGGBB or one of"));

@@ -35,10 +35,6 @@ std::optional<CutOptions> cutOf(const PictureArguments& picture, bool refines, P
     refuseLevels(picture.levels, "--culling draws the finest level alone");
     return std::nullopt;
   }
-  if (!picture.look.surfaces.empty()) {
-    refuseLevels(picture.levels, "--iso draws the finest level alone");
-    return std::nullopt;
-  }
   LevelArguments levels = picture.levels;
   // Pictures that get better begin with any level, also with levels that are made for them. Other
   // modes take levels that are there.

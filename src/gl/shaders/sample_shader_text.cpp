@@ -87,10 +87,13 @@ void main() {
 #if SURFACES > 0
       near_end = far_end;
       far_end = endAt(at + 0.5 * along);
-      value = texelAt(at).r;
-      if (mayMeet(near_end, far_end) || (HAS_OPACITIES == 1 && value >= visible.x && value <= visible.y) ||
-          k + 1 == range.y)
-        break;
+      vec2 both = texelAt(at);
+      value = both.r;
+      bool shows = value >= visible.x && value <= visible.y;
+#if SPREAD
+      shows = shows || both.g > 0.0;
+#endif
+      if (mayMeet(near_end, far_end) || (HAS_OPACITIES == 1 && shows) || k + 1 == range.y) break;
     }
 #elif INTEGRATES
       front = back;

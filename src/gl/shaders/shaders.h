@@ -35,6 +35,7 @@ struct ShaderVariant {
   bool integrates = false;    // segments in place of samples, see FrameSetup
   int surfaces = 0;           // how many surfaces there are, see FrameSetup
   bool has_opacities = true;  // with surfaces: the look-up shows something else, too
+  bool beside = false;        // with surfaces: the opaque ones alone, see BoxDraw::beside
   bool light_volume = false;  // lit: light arrives as FrameSetup::light has it
   bool cues_depth = false;    // far colours are darkened, see FrameSetup::depth_cueing
   bool jitters = false;       // slices are moved along the ray, see FrameSetup::jitter

@@ -88,15 +88,22 @@ void setVisible(const FrameSetup& setup, GlProgram& program) {
   program.set("filter_tie", span * kFilterShare / scale);
 }
 
-void setSurfaces(const FrameSetup& setup, GlProgram& program) {
-  const LookUp& look_up = *setup.look_up;
+// The surfaces that a program draws.
+std::vector<SurfaceLevel> surfacesOf(const FrameSetup& setup, bool beside) {
+  std::vector<SurfaceLevel> surfaces = setup.look_up->surfaces;
+  if (beside) std::erase_if(surfaces, [](const SurfaceLevel& each) { return each.opacity < 1; });
+  return surfaces;
+}
+
+void setSurfaces(const FrameSetup& setup, bool beside, GlProgram& program) {
   const double scale = valueScale(setup.type);
   Floats levels, colors;
-  for (const SurfaceLevel& surface : look_up.surfaces) {
+  const std::vector<SurfaceLevel> surfaces = surfacesOf(setup, beside);
+  for (const SurfaceLevel& surface : surfaces) {
     levels.add(surface.level / scale);
     colors.add(surface.rgb * surface.opacity).add(surface.opacity);
   }
-  const auto count = static_cast<int>(look_up.surfaces.size());
+  const auto count = static_cast<int>(surfaces.size());
   program.set1("surface_levels", levels.data(), count);
   program.set4("surface_colors", colors.data(), count);
   program.set("place_origin", setup.rays.origin0 - placeBase(setup));
@@ -176,6 +183,13 @@ ShaderVariant boxVariant(ShaderVariant frame, Vec3d scale, bool has_spread) {
   return frame;
 }
 
+ShaderVariant besideVariant(const FrameSetup& setup, ShaderVariant box) {
+  box.beside = true;
+  box.has_opacities = false;
+  box.surfaces = static_cast<int>(surfacesOf(setup, true).size());
+  return box;
+}
+
 ShaderVariant viewVariant(const ShaderVariant& variant) {
   return {.perspective = variant.perspective,
           .with_depth = variant.with_depth,
@@ -214,7 +228,7 @@ void setView(const FrameSetup& setup, PictureRows rows, GlProgram& program) {
 
 void setShading(const FrameSetup& setup, const ShaderVariant& variant, GlProgram& program) {
   if (variant.goes_ahead || variant.rough_first) setVisible(setup, program);
-  if (variant.surfaces > 0) setSurfaces(setup, program);
+  if (variant.surfaces > 0) setSurfaces(setup, variant.beside, program);
   program.set("slice_length", setup.slice_length);
   if (!variant.lit && variant.gradient_rows == 0) return;
   const auto& axes = setup.camera_gradient;

@@ -26,8 +26,15 @@ bool mayMeet(float front, float back) {
 float sharedEndAt(vec3 origin, vec3 step, float turn, vec3 at) {
   const float kGrid = 8192.0;
   vec3 place = round((place_origin + origin + turn * step) * kGrid) / kGrid;
-  vec3 local = textureOrder(place - round(box_lo + place_origin));
-  vec3 corner = round(at / texel_size - 0.5 - local);
+  vec3 local = textureOrder((place - round(box_lo + place_origin)) * TEXEL_SCALE);
+  // The corner's texels, which lie between texels of coarser levels: their centres are whole parts
+  // of a texel away from voxels.
+#if SCALED
+  const float kParts = 256.0;
+#else
+  const float kParts = 1.0;
+#endif
+  vec3 corner = round((at / texel_size - 0.5 - local) * kParts) / kParts;
   return exactOf(corner + local).r;
 }
 

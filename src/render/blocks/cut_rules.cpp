@@ -56,7 +56,8 @@ void requireLevel(const CutOptions& options, const TimeStep& step) {
 
 bool drawsCut(const TimeStep& step, const std::optional<CutOptions>& cut, Mode mode,
               const TransferFunction& transfer) {
-  if (!cut || (!transfer.surfaces.empty() && traitsOf(mode).has_colors)) return false;
+  const bool has_surfaces = !transfer.surfaces.empty() && traitsOf(mode).has_colors;
+  if (!cut || showsFinestSurfaces(*cut, has_surfaces)) return false;
   const bool has_labels = transfer.labels;
   const bool shows_extremes = showsExtremes(transfer, traitsOf(mode).combining);
   const LevelValues wanted = levelValuesFor(mode, has_labels, step.ranges->map.scale);
@@ -109,6 +110,10 @@ int coarsestLevelShown(const TimeStep& step, const View& view, const VisibleBloc
         sizes.of(pyramid.of(block.name), pyramid.regionOf(block.name)) > 0)
       coarsest = block.name.level;
   return coarsest;
+}
+
+int finestLevelDrawn(const VisibleBlocks& blocks) {
+  return blocks.cut && !blocks.cut->levels.empty() ? blocks.cut->levels.front().level : 0;
 }
 
 double spacingOfLevel(const TimeStep& step, int level) {

@@ -26,9 +26,13 @@ constexpr bool suitDefaultCut(Mode mode, bool has_labels) {
   return traitsOf(mode).suits_levels && !(has_labels && !traitsOf(mode).has_colors);
 }
 
+// Whether surfaces are asked for at the finest level: as in a volume of one level.
+constexpr bool showsFinestSurfaces(const CutOptions& cut, bool has_surfaces) {
+  return has_surfaces && cut.level == 0;
+}
+
 // Whether a picture is drawn from a cut. False if no cut is set, if the step has one level, if the
-// default cut would show something else than the finest level, or if the transfer function has
-// surfaces, which are those of the finest level's values. Throws Error if a cut was asked for that
+// default cut would show something else than the finest level, or for showsFinestSurfaces(). Throws Error if a cut was asked for that
 // cannot be drawn: of a level that is not there, from levels of something else than the picture
 // shows, or of extremes that the look hides while it shows values next to them.
 bool drawsCut(const TimeStep& step, const std::optional<CutOptions>& cut, Mode mode,
@@ -38,6 +42,8 @@ bool drawsCut(const TimeStep& step, const std::optional<CutOptions>& cut, Mode m
 int finestLevelShown(const TimeStep& step, const View& view, const CutOptions& options);
 // The coarsest level of the blocks that the picture shows.
 int coarsestLevelShown(const TimeStep& step, const View& view, const VisibleBlocks& blocks);
+// The finest level of the blocks of the whole picture; 0 if there are none.
+int finestLevelDrawn(const VisibleBlocks& blocks);
 // The finest spacing of a level's voxels in units of the volume's finest spacing.
 double spacingOfLevel(const TimeStep& step, int level);
 

@@ -10,6 +10,7 @@
 
 #include "src/base/error.h"
 #include "src/render/blocks/cut_rules.h"
+#include "src/render/blocks/level_faces.h"
 #include "src/render/blocks/shown_levels.h"
 #include "src/render/camera/pixel_sizes.h"
 
@@ -83,7 +84,7 @@ class CutMaker {
     VisibleBlocks blocks;
     blocks.white = of.left_out;
     std::map<int, CutSummary::Level> levels;
-    int64_t thin_blocks = 0;
+    int64_t thin_blocks = 0, finest_cells = 0;
     for (const CutNode& node : chosen_) {
       const CutPart& part = partsOf(node)[number];
       if (!part.object) continue;
@@ -96,10 +97,13 @@ class CutMaker {
       level.level = node.level;
       ++level.blocks;
       level.cells += part.object->cells.count();
+      if (node.level == 0) finest_cells += of.shown.finestCells(node.index);
       thin_blocks += isThin(of, node) ? 1 : 0;
       blocks.blocks.push_back(*part.object);
     }
     std::ranges::sort(blocks.blocks, {}, &ObjectBlock::name);
+    if (levels.size() > 1 && !of.question.look->table.surfaces().empty())
+      setLevelFaces(pyramid_, blocks.blocks);
     CutSummary summary;
     summary.has_spreads = true;
     for (const auto& [level_number, level] : levels) {
@@ -109,7 +113,7 @@ class CutMaker {
     }
     const std::vector<CoarserStep>& coarser = of.question.step.coarser;
     if (!coarser.empty()) summary.values = coarser.front().valuesShown();
-    summary.coarse_share = of.shown.coarseShare(levels.contains(0) ? levels[0].cells : 0);
+    summary.coarse_share = of.shown.coarseShare(finest_cells);
     summary.is_final = !is_stopped_ && !awaits_data_;
     summary.will_improve = awaits_data_;
     summary.thin_blocks = thin_blocks;
@@ -328,7 +332,8 @@ class CutMaker {
 bool isSame(const VisibleBlocks& a, const VisibleBlocks& b) {
   return std::ranges::equal(a.blocks, b.blocks,
                             [](const ObjectBlock& x, const ObjectBlock& y) {
-                              return x.name == y.name && x.cells == y.cells;
+                              return x.name == y.name && x.cells == y.cells &&
+                                   x.level_faces == y.level_faces;
                             }) &&
          a.cut->is_final == b.cut->is_final && a.cut->will_improve == b.cut->will_improve &&
          a.cut->thin_blocks == b.cut->thin_blocks;

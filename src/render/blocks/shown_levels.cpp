@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "src/base/error.h"
+#include "src/render/blocks/surface_sides.h"
 
 namespace sluice {
 namespace {
@@ -29,15 +30,16 @@ void visitIndices(const Box3& indices, const Call& call) {
       for (int64_t x = indices.lo.x; x < indices.hi.x; ++x) call(Vec3i{x, y, z});
 }
 
-// The level's cells that touch a voxel of it which stands for some voxel of these finest cells.
-Box3 cellsAround(const LevelLayout& level, const Box3& finest) {
+// The level's cells that touch a voxel of it which stands for some voxel of these finest cells, and
+// `more` cells on each side of them.
+Box3 cellsAround(const LevelLayout& level, const Box3& finest, int64_t more) {
   const auto voxelOf = [&](Vec3i voxel, int a) {
     return static_cast<int64_t>(std::lround(level.placement.levelFromFinest(toDouble(voxel))[a]));
   };
   Box3 cells;
   for (int a = 0; a < 3; ++a) {
-    cells.lo[a] = voxelOf(finest.lo, a) - 1;
-    cells.hi[a] = voxelOf(finest.hi, a) + 1;
+    cells.lo[a] = voxelOf(finest.lo, a) - 1 - more;
+    cells.hi[a] = voxelOf(finest.hi, a) + 1 + more;
   }
   return cells;
 }
@@ -226,9 +228,22 @@ bool ShownLevels::hasThinParts(int level, Vec3i index) {
   if (!isListed()) return false;
   const int64_t block = pyramid_.level(level).blocks.idOf(index);
   const auto [at, is_new] = levels_[static_cast<size_t>(level)].thin.try_emplace(block);
-  if (is_new)
+  if (!is_new) return at->second;
+  if (hasSurfaces())
+    at->second = shownBelow(level, index) != Shown::kNothing &&
+                 std::ranges::any_of(sides(), [&](const std::unique_ptr<ShownLevels>& side) {
+                   return side->hasThinParts(level, index);
+                 });
+  else
     at->second = hasThinner(level, index, pyramid_.level(level).placement.scale * kThinVoxels);
   return at->second;
+}
+
+std::vector<std::unique_ptr<ShownLevels>>& ShownLevels::sides() {
+  if (sides_.empty())
+    for (const LookPtr& side : looksBesideSurfaces(step_, *look_))
+      sides_.push_back(std::make_unique<ShownLevels>(step_, side, crop_, tree_, pool_));
+  return sides_;
 }
 
 // Whether an object box of the finest level in the region of the block has a lesser extent.
@@ -256,9 +271,23 @@ bool ShownLevels::hasThinner(int level, Vec3i index, const Vec3d& least) {
 }
 
 Box3 ShownLevels::finestBox(int level, Vec3i index) {
-  if (level == 0) return boxesOf(0)->of(index);
+  if (level == 0) return hasSurfaces() ? boxesAround(index) : boxesOf(0)->of(index);
   if (!isListed()) return cropped(level, index);
-  return isAsFinest(level) ? reachIn(level, index) : hullOf(level, index);
+  return isAsFinest(level) || hasSurfaces() ? reachIn(level, index) : hullOf(level, index);
+}
+
+// The cells of a finest block within a voxel of its object box or of those beside it.
+Box3 ShownLevels::boxesAround(Vec3i index) {
+  const Vec3i one{1, 1, 1};
+  const Box3 region = cropped(0, index);
+  Box3 box;
+  visitIndices(intersect({index - one, index + one + one}, boxOf(pyramid_.finest().grid)),
+               [&](Vec3i block) {
+                 const Box3 shown = boxesOf(0)->of(block);
+                 if (shown.empty()) return;
+                 box = unite(box, intersect({shown.lo - one, shown.hi + one}, region));
+               });
+  return box;
 }
 
 // What the finest level shows below this block and those beside it, with the cells around that
@@ -268,7 +297,8 @@ Box3 ShownLevels::reachIn(int level, Vec3i index) {
   const Box3 region = pyramid_.regionOf(level, index);
   const auto reachOf = [&](Vec3i block) {
     const Box3& hull = hullOf(level, block);
-    return hull.empty() ? Box3() : intersect(at.cellsOver(cellsAround(at, hull)), region);
+    const int64_t more = hasSurfaces() ? 1 : 0;
+    return hull.empty() ? Box3() : intersect(at.cellsOver(cellsAround(at, hull, more)), region);
   };
   Box3 reach = reachOf(index);
   // Inside a solid body the neighbours add nothing.
@@ -293,9 +323,12 @@ Box3 ShownLevels::cellsShown(int level, Vec3i index, const Box3& region) {
     if (covered.hi[a] < region.hi[a] && owners.hi[a] < at.blocks.grid[a]) ++owners.hi[a];
   }
   Box3 shown;
+  const Vec3i around = hasSurfaces() ? Vec3i{1, 1, 1} : Vec3i();
+  owners = intersect({owners.lo - around, owners.hi + around}, boxOf(at.blocks.grid));
   visitIndices(owners, [&](Vec3i owner) {
-    const Box3 object = boxesOf(level)->of(owner);
+    Box3 object = boxesOf(level)->of(owner);
     if (object.empty()) return;
+    object = intersect({object.lo - around, object.hi + around}, boxOf(last));
     Box3 cells = at.cellsOver(object);
     // Beyond its outermost voxels a level shows their values.
     for (int a = 0; a < 3; ++a) {

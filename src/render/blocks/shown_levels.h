@@ -41,11 +41,16 @@ class ShownLevels {
   double coarseShare(int64_t shown_finest);
   // Whether the finest level shows something in the block's region that is thinner than two voxels
   // of the block's level along an axis. Parts that go on in the next block of the finest level
-  // count with it; faces of the crop make nothing thin. False if the finest level is not listed.
-  // Requires: level > 0.
+  // count with it; faces of the crop make nothing thin. Of a surface it is what lies on either of
+  // its sides: a thin sheet or gap, of which the level's means may pass the surface's value
+  // nowhere. False if the finest level is not listed. Requires: level > 0.
   bool hasThinParts(int level, Vec3i index);
+  // The finest cells of a finest block that show something.
+  int64_t finestCells(Vec3i index) { return boxesOf(0)->of(index).count(); }
   // What is drawn of a block of time step `time` at its level: the box of the finest cells in its
-  // region where interpolation of the level's voxels gives something visible. A level with spreads,
+  // region where interpolation of the level's voxels gives something visible; under a look with
+  // surfaces, of all cells of the level within one of its voxels of such a place (see
+  // FrameSetup::has_surfaces). A level with spreads,
   // of extremes or of modes shows what the finest level shows; if the ranges of another level are
   // not known, the whole region shows. No cells: nothing.
   ObjectBlock objectOf(int level, Vec3i index, int64_t time);
@@ -79,11 +84,15 @@ class ShownLevels {
   }
   Box3 finestBox(int level, Vec3i index);
   Box3 reachIn(int level, Vec3i index);
+  Box3 boxesAround(Vec3i index);
+  // The values on each side of each surface, without surfaces; none if the look has no surfaces.
+  std::vector<std::unique_ptr<ShownLevels>>& sides();
   Box3 cellsShown(int level, Vec3i index, const Box3& region);
   ObjectBlock objectOf(int level, Vec3i index, int64_t time, const Box3& finest);
   // See showsAsFinest(); true of the finest level itself.
   bool isAsFinest(int level) const { return is_as_finest_[static_cast<size_t>(level)]; }
   bool isListed() const { return tree_ != nullptr; }
+  bool hasSurfaces() const { return !look_->table.surfaces().empty(); }
 
   const TimeStep step_;
   const LookPtr look_;
@@ -100,6 +109,7 @@ class ShownLevels {
   };
   std::vector<Level> levels_;
   std::optional<int64_t> finest_cells_;  // in all object boxes of the finest level
+  std::vector<std::unique_ptr<ShownLevels>> sides_;  // see sides()
 };
 
 }  // namespace sluice

@@ -182,14 +182,14 @@ FrameSetup frameSetup(const View& view, const VolumeLayout& layout, const Look& 
   return setup;
 }
 
-double longestStep(const View& view, const VolumeLayout& layout) {
+double longestStep(const View& view, const VolumeLayout& layout, Vec3d voxel) {
   const RayGrid rays = raysOf(view, layout);
   const double width = view.size.width, height = view.size.height;
   double longest = 0;
   // A step changes linearly over the picture: its greatest part is at a corner.
   for (const double x : {0.0, width})
     for (const double y : {0.0, height}) {
-      const Vec3d step = rays.step0 + rays.step_dx * x + rays.step_dy * y;
+      const Vec3d step = (rays.step0 + rays.step_dx * x + rays.step_dy * y) / voxel;
       longest = std::max({longest, std::abs(step.x), std::abs(step.y), std::abs(step.z)});
     }
   return longest;

@@ -35,7 +35,7 @@ std::vector<ClipPlane> clipPlanes(const std::vector<WorldPlane>& planes,
                                   const VolumeLayout& layout);
 
 // The most voxels between two slices along any axis, of all rays of the view.
-double longestStep(const View& view, const VolumeLayout& layout);
+double longestStep(const View& view, const VolumeLayout& layout, Vec3d voxel = {1, 1, 1});
 // The most for a frame that integrates: the values half as far from a sample lie within the ghost
 // layer around its block.
 inline constexpr double kMostIntegratedStep = 2;

@@ -6,6 +6,7 @@
 #include "src/base/error.h"
 #include "src/base/threads/clock.h"
 #include "src/device/picture_rows.h"
+#include "src/render/frame/level_borders.h"
 #include "src/render/frame/loaded_boxes.h"
 #include "src/texture/frame_trace.h"
 
@@ -113,7 +114,7 @@ void FrameRun::drawBlocks(const std::vector<BlockPosition>& order) {
   for (const BlockPosition position : order) {
     const TextureBlock& block = textures().blocks[position];
     if (block.cells.empty()) continue;  // loaded whole, shows nothing (algorithm II)
-    if (rows && !overlap(*rows, rowsOf(values_.setup, block.cells))) continue;
+    if (rows && !overlap(*rows, rowsOf(values_.setup, reachOf(block)))) continue;
     if (isHidden(position)) {
       occlusion_->leaveOut(block.cells.count());
       continue;
@@ -129,6 +130,14 @@ void FrameRun::drawBlocks(const std::vector<BlockPosition>& order) {
   report_.stages.draw += watch.seconds() - (report_.stages.boxes - boxes_before);
 }
 
+bool FrameRun::hasBorders(const TextureBlock& block) const {
+  return block.level_faces != 0 && values_.setup.has_surfaces;
+}
+
+Box3 FrameRun::reachOf(const TextureBlock& block) const {
+  return hasBorders(block) ? cellsWithBorders(textures(), block, values_.setup.shown) : block.cells;
+}
+
 void FrameRun::drawBlock(BlockPosition position) {
   const TextureBlock& block = textures().blocks[position];
   BoxDraw box = boxDraw(textures(), block);
@@ -139,7 +148,13 @@ void FrameRun::drawBlock(BlockPosition position) {
     report_.stages.boxes += watch.seconds();
   }
   if (boxes == nullptr) {  // the object box holds whatever its boxes would show
+    const LevelBorders borders = hasBorders(block)
+                                     ? levelBorders(textures(), block, box, values_.setup.shown,
+                                                    values_.order->eye)
+                                     : LevelBorders();
+    for (const BoxDraw& before : borders.before) drawBox(block.chunk, before);
     drawBox(block.chunk, box);
+    for (const BoxDraw& behind : borders.behind) drawBox(block.chunk, behind);
     return;
   }
   const Vec3i first = values_.boxes->firstCell(position);
@@ -170,8 +185,10 @@ void FrameRun::drawBox(ChunkPosition chunk, BoxDraw box) {
 void FrameRun::flushBoxes() {
   if (pending_.empty()) return;
   device_.draw(pending_);
-  report_.boxes_drawn += static_cast<int64_t>(pending_.size());
   if (!phases_.empty()) append(phases_.back().drawn, pending_);
+  // Boxes beside others take no samples of opacities.
+  std::erase_if(pending_, [](const BoxDraw& box) { return box.beside.has_value(); });
+  report_.boxes_drawn += static_cast<int64_t>(pending_.size());
   if (options_.count_samples) append(counted_, pending_);
   pending_.clear();
 }

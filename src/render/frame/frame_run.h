@@ -97,6 +97,9 @@ class FrameRun {
   void makeResident(const ReadAhead::Taken& taken);
   void drawBlocks(const std::vector<BlockPosition>& order);
   void drawBlock(BlockPosition position);
+  bool hasBorders(const TextureBlock& block) const;
+  // The block's cells with its borders, see level_borders.h.
+  Box3 reachOf(const TextureBlock& block) const;
   // Draws the box, or its part that is not hidden, with the boxes around it.
   void drawBox(ChunkPosition chunk, BoxDraw box);
   void flushBoxes();

@@ -38,7 +38,7 @@ ReadAhead::Needs FrameRun::needs() const {
   const auto now = [this, hides, rows](ChunkPosition position) {
     const Chunk& chunk = textures().chunks[position];
     return std::ranges::any_of(chunk.blocks, [&](BlockPosition block) {
-      const Box3& cells = textures().blocks[block].cells;
+      const Box3 cells = reachOf(textures().blocks[block]);
       if (rows && !overlap(*rows, rowsOf(values_.setup, cells))) return false;
       return !hides || !isHidden(block);
     });

@@ -80,7 +80,7 @@ class Maker {
         grid_(coarseGrid(layout_)),
         level_(levelFor(step, grid_, from)),
         level_dims_(level_.source->layout().dims),
-        voxel_lengths_(layout_.spacing / finestSpacing(layout_)),
+        voxel_lengths_(layout_.spacing * level_.placement.scale / finestSpacing(layout_)),
         type_(step.ranges->map.type) {
     // One number for each value of integers, else for each entry.
     const size_t values = type_ == DeviceType::kU8 ? 256 : type_ == DeviceType::kU16 ? 65536 : 0;
@@ -266,7 +266,7 @@ class Maker {
   const CoarseGrid grid_;
   const ReadLevel level_;
   const Vec3i level_dims_;
-  const Vec3d voxel_lengths_;  // of a voxel, along each axis
+  const Vec3d voxel_lengths_;  // of a voxel of the level, along each axis
   const DeviceType type_;
   std::vector<float> extinctions_;  // by value of integers, by entry of the table for floats
   std::vector<double> meetings_;    // by surface

@@ -25,8 +25,12 @@ bool Planner::drawsSurfaces(const TimeStep& step, const Look& look, const FrameO
   return true;
 }
 
-double Planner::stepForSurfaces(const View& view, const VolumeLayout& layout, double step_vox) {
-  return std::min({step_vox, step_vox / longestStep(view, layout), kMostSurfaceStep});
+double Planner::stepForSurfaces(const View& view, const VolumeLayout& layout, double step_vox,
+                                Vec3d voxel) {
+  const Vec3d spacing = layout.spacing * voxel;
+  const double finest = std::min({spacing.x, spacing.y, spacing.z}) / finestSpacing(layout);
+  return std::min({step_vox, step_vox / longestStep(view, layout, voxel),
+                   kMostSurfaceStep * finest});
 }
 
 BlockQuestion Planner::question(const TimeStep& step, const LookPtr& look, const View& view,

@@ -24,7 +24,7 @@ namespace sluice {
 
 using TransferPtr = std::shared_ptr<const TransferFunction>;
 
-// In units of the finest spacing.
+// In units of the finest spacing of the finest level that is drawn.
 inline constexpr double kMostSurfaceStep = 1;
 
 class Planner {
@@ -47,13 +47,15 @@ class Planner {
   // voxels apart on an axis.
   static bool integrates(const TimeStep& step, const Look& look, const View& view,
                          const FrameOptions& options);
-  // Whether a frame draws surfaces: its look has some, and its mode colours. Such a frame draws the
-  // finest level alone and does not integrate. Requires: blocks have a ghost layer.
+  // Whether a frame draws surfaces: its look has some, and its mode colours. Such a frame does not
+  // integrate. Requires: blocks have a ghost layer.
   static bool drawsSurfaces(const TimeStep& step, const Look& look, const FrameOptions& options);
   // The distance between slices of frames with surfaces: at most a voxel along any axis, see
   // FrameSetup, and kMostSurfaceStep. Between slices farther apart, rays enter and leave the rims
-  // of bodies unseen, and spots of what lies behind show there.
-  static double stepForSurfaces(const View& view, const VolumeLayout& layout, double step_vox);
+  // of bodies unseen, and spots of what lies behind show there. `voxel`: the voxels of the finest
+  // level that is drawn, in units of the volume's voxels along each axis.
+  static double stepForSurfaces(const View& view, const VolumeLayout& layout, double step_vox,
+                                Vec3d voxel = {1, 1, 1});
   // `limit` applies to such a cut alone; null: none.
   VisibleBlocksPtr visibleBlocks(const TimeStep& step, const LookPtr& look, const View& view,
                                  const FrameOptions& options, const ReadLimit* limit = nullptr);

@@ -1,0 +1,68 @@
+#include "src/render/frame/level_borders.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sluice {
+namespace {
+
+// Rounding of scales and offsets that files give as decimals, in voxels.
+constexpr double kRounding = 1e-6;
+
+// The cells beside a face that has a border; empty: it has none.
+Box3 cellsBeside(const TexturePlan& plan, const TextureBlock& block, int axis, bool is_upper,
+                 const Box3& shown) {
+  if ((block.level_faces >> (is_upper ? 3 + axis : axis) & 1U) == 0) return {};
+  const Box3 region = plan.pyramid.regionOf(block.name);
+  const LevelPlacement& placement = plan.pyramid.of(block.name).placement;
+  const Box3 texels = intersect(plan.pyramid.storedVoxels(block.name), block.voxels);
+  const auto most = static_cast<int64_t>(std::ceil(placement.scale[axis] - kRounding));
+  Box3 cells = block.cells;
+  if (is_upper) {
+    if (block.cells.hi[axis] != region.hi[axis]) return {};
+    const double last = placement.finestFromLevel(toDouble(texels.hi - Vec3i{1, 1, 1}))[axis];
+    const auto end = static_cast<int64_t>(std::floor(last + kRounding));
+    cells.lo[axis] = region.hi[axis];
+    cells.hi[axis] = std::min(end, region.hi[axis] + most);
+  } else {
+    if (block.cells.lo[axis] != region.lo[axis]) return {};
+    const double first = placement.finestFromLevel(toDouble(texels.lo))[axis];
+    const auto begin = static_cast<int64_t>(std::ceil(first - kRounding));
+    cells.hi[axis] = region.lo[axis];
+    cells.lo[axis] = std::max(begin, region.lo[axis] - most);
+  }
+  return intersect(cells, shown);
+}
+
+// Whether rays pass what lies below a plane across the axis before what lies above it.
+bool passesLowerFirst(const EyePosition& eye, int axis, int64_t plane) {
+  return eye.parallel ? eye.index[axis] >= 0 : eye.index[axis] < static_cast<double>(plane);
+}
+
+}  // namespace
+
+LevelBorders levelBorders(const TexturePlan& plan, const TextureBlock& block, const BoxDraw& box,
+                          const Box3& shown, const EyePosition& eye) {
+  LevelBorders borders;
+  for (int axis = 0; axis < 3; ++axis)
+    for (const bool is_upper : {false, true}) {
+      BoxDraw beside = box;
+      beside.cells = cellsBeside(plan, block, axis, is_upper, shown);
+      if (beside.cells.empty()) continue;
+      beside.beside = box.cells;
+      const int64_t plane = is_upper ? box.cells.hi[axis] : box.cells.lo[axis];
+      const bool is_before = passesLowerFirst(eye, axis, plane) != is_upper;
+      (is_before ? borders.before : borders.behind).push_back(beside);
+    }
+  return borders;
+}
+
+Box3 cellsWithBorders(const TexturePlan& plan, const TextureBlock& block, const Box3& shown) {
+  Box3 cells = block.cells;
+  for (int axis = 0; axis < 3; ++axis)
+    for (const bool is_upper : {false, true})
+      cells = unite(cells, cellsBeside(plan, block, axis, is_upper, shown));
+  return cells;
+}
+
+}  // namespace sluice
