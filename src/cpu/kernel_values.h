@@ -144,7 +144,7 @@ struct KernelBox {
   // coordinates of texel 0, the last brick, and strides in bricks.
   const uint8_t* distances = nullptr;
   Float3 brick_at{}, brick_last{}, brick_stride{};
-  uint32_t layer = 0;  // layer of a part
+  uint32_t layer = 0;      // layer of a part
   bool is_beside = false;  // BoxDraw::beside is set
   // Blended channels: the box's, and the number of boxes behind this one in the list that join it,
   // whose pixels count with this one's.

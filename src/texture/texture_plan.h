@@ -47,7 +47,7 @@ struct TextureBlock {
   BlockName name;  // the volume block
   Box3 cells;      // cells of the finest level that are resampled, half-open
   Box3 voxels;  // voxels of its own level that are copied; beyond the volume if the block is padded
-  int trimming_axis = 2;  // becomes texture z
+  int trimming_axis = 2;     // becomes texture z
   unsigned level_faces = 0;  // ObjectBlock::level_faces
   ChunkPosition chunk;
   Vec3i at;  // texel of voxels.lo in the chunk

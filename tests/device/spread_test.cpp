@@ -218,8 +218,8 @@ TEST_F(SpreadTest, surfacesLieWhereTheMeansPassTheirValues) {
     for (const Seen& seen : composites())
       for (const bool is_alone : {false, true})
         for (const Vec3d scale : {Vec3d{1, 1, 1}, {0.5, 0.25, 0.5}}) {
-          SCOPED_TRACE(fmt::format("{} {} alone {} scale {}", name(type), seen.words(), is_alone,
-                                   scale.x));
+          SCOPED_TRACE(
+              fmt::format("{} {} alone {} scale {}", name(type), seen.words(), is_alone, scale.x));
           const FrameSetup setup = withSurfaces(setupOf(seen, type), is_alone);
           const ChunkTexelsPtr chunk = chunkOf(wavesAt, type, true);
           const Picture drawn = drawOn(*device_, setup, chunk, scale);

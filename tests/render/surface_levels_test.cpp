@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "src/render/blocks/cut_rules.h"
+#include "src/render/light/coarse_extinction.h"
 #include "tests/render/level_scene.h"
 #include "tests/render/one_light.h"
 
@@ -222,9 +223,27 @@ TEST_F(SurfaceLevelsTest, blocksThatNoneCrossesAreNotDrawn) {
 TEST_F(SurfaceLevelsTest, theFinestLevelIsDrawnAsOfAVolumeOfOneLevel) {
   const auto source = ball();
   Pyramid pyramid(*source, 3, true, Spreads::kKept);
-  EXPECT_FALSE(drawsCut(pyramid.step, CutOptions{.level = 0}, Mode::kComposite, surface(kBallRadius)));
-  EXPECT_TRUE(drawsCut(pyramid.step, CutOptions{.level = 1}, Mode::kComposite, surface(kBallRadius)));
+  EXPECT_FALSE(
+      drawsCut(pyramid.step, CutOptions{.level = 0}, Mode::kComposite, surface(kBallRadius)));
+  EXPECT_TRUE(
+      drawsCut(pyramid.step, CutOptions{.level = 1}, Mode::kComposite, surface(kBallRadius)));
   EXPECT_TRUE(drawsCut(pyramid.step, CutOptions{}, Mode::kComposite, surface(kBallRadius)));
+}
+
+// Texels of two voxels are made from level 1.
+TEST_F(SurfaceLevelsTest, castTheShadowsOfTheirArea) {
+  const auto source = ball({160, 160, 160});
+  const Pyramid pyramid(*source, 2, true, Spreads::kKept);
+  const Look look = makeLook(pyramid.step, surface(kBallRadius, 0.3), Mode::kComposite);
+  const double area = 4 * std::numbers::pi * kBallRadius * kBallRadius;
+  WorkerPool pool(2);
+  for (const MatterFrom from : {MatterFrom::kFinest, MatterFrom::kLevels}) {
+    const CoarseExtinction matter = coarseExtinction(pyramid.step, look, from, pool, {});
+    ASSERT_EQ(matter.grid.voxels, (Vec3i{2, 2, 2}));
+    double sum = 0;
+    for (const float extinction : matter.per_length) sum += 8 * extinction;
+    EXPECT_NEAR(sum, -std::log(0.7) * area, 0.04 * area);
+  }
 }
 
 // A bright sheet of one voxel: the means of level 3 stay below the surface's value.

@@ -17,7 +17,7 @@ Vec3d cubeGradient(const FrameSetup& setup, const TexelMap& texels, const ChunkT
     if (value < kNoNumber) value = level;
     for (int a = 0; a < 3; ++a) {
       const auto axis = static_cast<size_t>(texels.axes[static_cast<size_t>(a)]);
-      gradient = gradient + setup.camera_gradient[axis] * (side[a] * value / 2);
+      gradient = gradient + setup.camera_gradient[axis] * (side[a] * value / 2 * texels.scale[a]);
     }
   }
   return gradient;

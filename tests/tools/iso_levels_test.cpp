@@ -19,7 +19,8 @@ constexpr const char* kIsoLook = "--iso 90 --view plain --azimuth 30 --size 64";
 class IsoLevels : public testing::Test {
  protected:
   json render(const std::string& more) const {
-    return program_.json(fmt::format("render {} {} -o x.png --force {}", kIsoVolume, kIsoLook, more));
+    return program_.json(
+        fmt::format("render {} {} -o x.png --force {}", kIsoVolume, kIsoLook, more));
   }
   auto picture() const { return readPng(program_.folder / "x.png").rgba; }
   json plan(const std::string& more) const {
@@ -29,10 +30,9 @@ class IsoLevels : public testing::Test {
 };
 
 TEST_F(IsoLevels, areDrawnFromTheLevelThatPixelsAskForAndPlanned) {
-  for (const char* more :
-       {"", "--level 2", "--pixel-error 4 --threshold 40 --opacity 0.02",
-        "--projection perspective --zoom 4 --pixel-error 3", "--pixel-error 0.2 --max-bytes 400K",
-        "--pixel-error 8 --keep-thin"}) {
+  for (const char* more : {"", "--level 2", "--pixel-error 4 --threshold 40 --opacity 0.02",
+                           "--projection perspective --zoom 4 --pixel-error 3",
+                           "--pixel-error 0.2 --max-bytes 400K", "--pixel-error 8 --keep-thin"}) {
     SCOPED_TRACE(more);
     json drawn = render(more);
     json planned = plan(more);

@@ -60,7 +60,8 @@ class OtherLevels final : public ForwardingSource {
 IndexNeeds needsOf(const LookArguments& look, Mode mode, const std::optional<CutOptions>& cut) {
   LevelNeeds levels = LevelNeeds::kFinest;
   const bool has_surfaces = !look.surfaces.empty() && traitsOf(mode).has_colors;
-  if (cut && !showsFinestSurfaces(*cut, has_surfaces)) levels = cut->is_default ? LevelNeeds::kFaithful : LevelNeeds::kAll;
+  if (cut && !showsFinestSurfaces(*cut, has_surfaces))
+    levels = cut->is_default ? LevelNeeds::kFaithful : LevelNeeds::kAll;
   return {needsGradients(look, mode),
           look.whole_series || (look.first_picture && needsStatistics(look) && !look.this_step),
           levels, levelValuesFor(mode, look.labels, 1)};

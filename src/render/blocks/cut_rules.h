@@ -32,9 +32,10 @@ constexpr bool showsFinestSurfaces(const CutOptions& cut, bool has_surfaces) {
 }
 
 // Whether a picture is drawn from a cut. False if no cut is set, if the step has one level, if the
-// default cut would show something else than the finest level, or for showsFinestSurfaces(). Throws Error if a cut was asked for that
-// cannot be drawn: of a level that is not there, from levels of something else than the picture
-// shows, or of extremes that the look hides while it shows values next to them.
+// default cut would show something else than the finest level, or for showsFinestSurfaces(). Throws
+// Error if a cut was asked for that cannot be drawn: of a level that is not there, from levels of
+// something else than the picture shows, or of extremes that the look hides while it shows values
+// next to them.
 bool drawsCut(const TimeStep& step, const std::optional<CutOptions>& cut, Mode mode,
               const TransferFunction& transfer);
 // The level that voxels `pixel_error` pixels wide require where the view needs the finest one, or

@@ -333,7 +333,7 @@ bool isSame(const VisibleBlocks& a, const VisibleBlocks& b) {
   return std::ranges::equal(a.blocks, b.blocks,
                             [](const ObjectBlock& x, const ObjectBlock& y) {
                               return x.name == y.name && x.cells == y.cells &&
-                                   x.level_faces == y.level_faces;
+                                     x.level_faces == y.level_faces;
                             }) &&
          a.cut->is_final == b.cut->is_final && a.cut->will_improve == b.cut->will_improve &&
          a.cut->thin_blocks == b.cut->thin_blocks;

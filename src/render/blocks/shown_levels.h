@@ -108,7 +108,7 @@ class ShownLevels {
     std::unordered_map<int64_t, bool> thin;
   };
   std::vector<Level> levels_;
-  std::optional<int64_t> finest_cells_;  // in all object boxes of the finest level
+  std::optional<int64_t> finest_cells_;              // in all object boxes of the finest level
   std::vector<std::unique_ptr<ShownLevels>> sides_;  // see sides()
 };
 

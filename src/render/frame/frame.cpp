@@ -50,9 +50,9 @@ Frame Session::frame() {
   if (rays > 1 && !traitsOf(options.mode).on_planes) options.step_vox /= 2;
   const bool has_surfaces = Planner::drawsSurfaces(step_, *look, options);
   if (has_surfaces)
-    options.step_vox = Planner::stepForSurfaces(
-        viewNow(), volume, options.step_vox,
-        step_.layout().level(finestLevelDrawn(*visible)).placement.scale);
+    options.step_vox =
+        Planner::stepForSurfaces(viewNow(), volume, options.step_vox,
+                                 step_.layout().level(finestLevelDrawn(*visible)).placement.scale);
   const View view = viewNow();
   const double classify_s = stage.lap();
   visible_ = visible;

@@ -148,10 +148,10 @@ void FrameRun::drawBlock(BlockPosition position) {
     report_.stages.boxes += watch.seconds();
   }
   if (boxes == nullptr) {  // the object box holds whatever its boxes would show
-    const LevelBorders borders = hasBorders(block)
-                                     ? levelBorders(textures(), block, box, values_.setup.shown,
-                                                    values_.order->eye)
-                                     : LevelBorders();
+    const LevelBorders borders =
+        hasBorders(block)
+            ? levelBorders(textures(), block, box, values_.setup.shown, values_.order->eye)
+            : LevelBorders();
     for (const BoxDraw& before : borders.before) drawBox(block.chunk, before);
     drawBox(block.chunk, box);
     for (const BoxDraw& behind : borders.behind) drawBox(block.chunk, behind);

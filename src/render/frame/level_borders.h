@@ -1,7 +1,8 @@
-// Boxes beside a block in which its opaque surfaces are drawn, too (BoxDraw::beside). They close the
-// cracks between blocks of different levels of resolution: the means of two levels differ, so that
-// a surface may lie on one side of a face by the one level and on its other side by the other. They
-// reach as far as the texels around the block do, and at most a voxel of its level. Pure functions.
+// Boxes beside a block in which its opaque surfaces are drawn, too (BoxDraw::beside). They close
+// the cracks between blocks of different levels of resolution: the means of two levels differ, so
+// that a surface may lie on one side of a face by the one level and on its other side by the other.
+// They reach as far as the texels around the block do, and at most a voxel of its level. Pure
+// functions.
 #pragma once
 
 #include <vector>

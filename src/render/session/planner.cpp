@@ -29,8 +29,8 @@ double Planner::stepForSurfaces(const View& view, const VolumeLayout& layout, do
                                 Vec3d voxel) {
   const Vec3d spacing = layout.spacing * voxel;
   const double finest = std::min({spacing.x, spacing.y, spacing.z}) / finestSpacing(layout);
-  return std::min({step_vox, step_vox / longestStep(view, layout, voxel),
-                   kMostSurfaceStep * finest});
+  return std::min(
+      {step_vox, step_vox / longestStep(view, layout, voxel), kMostSurfaceStep * finest});
 }
 
 BlockQuestion Planner::question(const TimeStep& step, const LookPtr& look, const View& view,
