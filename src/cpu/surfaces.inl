@@ -35,8 +35,7 @@ HWY_INLINE MetSurface surfaceOf(const KernelFrame& frame, M up, int n) {
 }
 
 // A surface lies where the values pass its level; in chunks with spreads the means are the values.
-// The function after this one is a call, since few samples meet a surface: loops over many stay
-// small.
+// valueThere() is a call, since few samples meet a surface: loops over many stay small.
 template <DeviceType kType, Shading kShading>
 HWY_INLINE V surfaceValueAt(const KernelBox& box, const Place& place) {
   if constexpr (hasSpreads(kShading))

@@ -21,7 +21,7 @@ double valueScale(DeviceType type);
 ShaderVariant frameVariant(const FrameSetup& setup, bool fetches);
 // The same for boxes of this scale (TexelMap::indexScale()) of a chunk with spreads or without.
 ShaderVariant boxVariant(ShaderVariant frame, Vec3d scale, bool has_spread);
-// That of boxes beside others (BoxDraw::beside), from that of the others.
+// The variant for boxes beside others (BoxDraw::beside), from the variant of these.
 ShaderVariant besideVariant(const FrameSetup& setup, ShaderVariant box);
 // The members of it that channels of one frame share.
 ShaderVariant viewVariant(const ShaderVariant& variant);
