@@ -18,7 +18,7 @@ IndexKey keyOf(const VolumeSource& source, int64_t time, const BlockLayout& layo
 
 BoxesOrigin originOf(const SliceRanges& ranges) {
   return {ranges.layout, ranges.map, growingParameters(ranges.map.type, ranges.device_range),
-          kBrickSide};
+          kGrowingBrickSide};
 }
 
 struct PieceSpan {

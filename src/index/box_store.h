@@ -97,7 +97,7 @@ class BoxIndexWriter {
                  const SliceRanges& ranges);
 
   // To be called once for each block, from any thread. Requires: the tree was made with
-  // growingParameters() for the ranges, from bricks of kBrickSide.
+  // growingParameters() for the ranges, from bricks of kGrowingBrickSide.
   void add(int64_t block, const BoxTree& tree);
 
   // Pieces that were stored in some folder.

@@ -212,8 +212,8 @@ void forEachBlockBricks(VolumeSource& source, int64_t time, const BlockLayout& l
     const DeviceVoxels held = readDevice(source, time, voxelsAround(cells, layout.dims), read);
     const VoxelSpan span{held.box, held.type, held.bytes.get()};
     for (const int64_t block : of_run)
-      take(block,
-           brickGrid(span, layout.ownedCells(layout.indexOf(block)), kBrickSide, voxel_size));
+      take(block, brickGrid(span, layout.ownedCells(layout.indexOf(block)), kGrowingBrickSide,
+                            voxel_size));
     progress.add(run.count * block_bytes);
   });
 }

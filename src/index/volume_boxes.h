@@ -21,7 +21,7 @@
 namespace sluice {
 
 // Cells a side of a brick, to which box faces are rounded. Smaller ones fit tighter, in more boxes.
-inline constexpr int64_t kBrickSide = 4;
+inline constexpr int64_t kGrowingBrickSide = 4;
 
 // The default limit for voxels in memory.
 inline constexpr uint64_t kMostGrowingBytes = uint64_t{128} << 20;

@@ -41,7 +41,7 @@ class BoxStoreTest : public testing::Test {
   BoxTree expected(int64_t block) const {
     const DeviceVolume volume(*blobs_);
     const Box3 cells = layout_.ownedCells(layout_.indexOf(block));
-    return growBoxTree(brickGrid(volume.span(), cells, kBrickSide),
+    return growBoxTree(brickGrid(volume.span(), cells, kGrowingBrickSide),
                        growingParameters(ranges_.map.type, ranges_.device_range));
   }
   int64_t heldIn(int64_t first, int64_t end) const {

@@ -42,7 +42,7 @@ TEST(VolumeBoxes, eachBlockOnceWithTheBricksThatTheWholeVolumeHas) {
                            const Box3 cells = layout.ownedCells(layout.indexOf(block));
                            EXPECT_EQ(grid.cells, cells);
                            EXPECT_EQ(grid.bricks,
-                                     brickGrid(volume.span(), cells, kBrickSide).bricks);
+                                     brickGrid(volume.span(), cells, kGrowingBrickSide).bricks);
                          });
       EXPECT_EQ(taken.size(), static_cast<size_t>(layout.blockCount()));
     }
