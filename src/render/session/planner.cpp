@@ -4,6 +4,7 @@
 
 #include "src/base/error.h"
 #include "src/render/camera/frame_setup.h"
+#include "src/render/camera/index_space.h"
 
 namespace sluice {
 
