@@ -184,8 +184,8 @@ TEST(Plan, namesTheLeastMemoryThatRenderWorksWith) {
 TEST(Plan, refusesWhatRenderRefuses) {
   const Program program;
   for (const char* options :
-       {"--iso 100 --pixel-error 2", "--iso 100 --level 1", "--iso 100 --max-bytes 1M",
-        "--iso 100 --keep-thin", "--iso 100 --mode mip", "--shadows --mode mip",
+       {"--culling toc --pixel-error 2", "--iso 100 --level 1", "--culling toc --max-bytes 1M",
+        "--culling toc --keep-thin", "--iso 100 --mode mip", "--shadows --mode mip",
         "--shadows --no-shade", "--occlusion-light --no-shade", "--depth-cueing 0.5 --mode mip",
         "--jitter 1 --mode average", "--culling toc --iso 100", "--culling toc --mode mip",
         "--occlusion cull --mode mip", "--culling toc --level 1",
