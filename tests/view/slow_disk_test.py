@@ -24,7 +24,7 @@ def sit(folder):
     slow = {'LD_PRELOAD': SLOW_DISK, 'SLUICE_SLOW_FILE': 'large.', 'SLUICE_SLOW_BYTES_PER_SECOND': '50e6'}
     arguments = [str(volume), '--size', '480x400', '--device', 'cpu', '--memory', BUDGET]
     with Display() as display, Window(display, PROGRAM, arguments, folder, slow) as window:
-        window.wait('opened', 300)
+        window.wait('opened')
         window.wait('picture')
         window_driver.put_first(window.process, display)
         middle = window.place('picture')

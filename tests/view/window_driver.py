@@ -165,7 +165,7 @@ class Window:
             if 'control' in line:
                 self.controls[line['control']] = line['at']
 
-    def wait(self, what, since=0):
+    def wait(self, what, *, since=0):
         """The first line from number `since` on that `what` (a key, or a function of the line) is true of. Waits as long as the
         window lives: on a busy machine nobody knows how long it takes. What it waits for is printed now and then, so that one can
         read it where the test is ended for taking too long."""
