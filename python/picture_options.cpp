@@ -308,7 +308,7 @@ const OptionEntry* entryOf(const std::string& keyword) {
   return nullptr;
 }
 
-// As the command line does, see option_rules.h.
+// Refuses what the command line refuses, see option_rules.h.
 void requirePairs(const py::kwargs& keywords) {
   const auto given = [&](const std::string& keyword) {
     if (!keywords.contains(keyword.c_str())) return false;

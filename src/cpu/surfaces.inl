@@ -166,7 +166,7 @@ HWY_NOINLINE SliceColor Passage<kType, kShading>::sliceAt(V k, V end, M within) 
   const Sample sample = take(k, end);
   M shows = hn::And(within, hn::And(hn::Ge(sample.value, all(frame.least_visible)),
                                     hn::Le(sample.value, all(frame.most_visible))));
-  // Of spreads other values than the mean may show.
+  // Spreads may show other values than their mean.
   if (hasSpreads(kShading) || frame.shades_every_sample) shows = within;
   if (kType == DeviceType::kF32) shows = hn::AndNot(isNoNumber(sample.value), shows);
   const V none = hn::Zero(F());

@@ -263,9 +263,8 @@ void GlDevice::drawFromChunk(std::span<const BoxDraw> boxes) {
   SLUICE_CHECK(found != resident_.end());
   const bool beside = boxes.front().beside.has_value();
   if (beside && besideVariant(setup_, variant_).surfaces == 0) return;  // none is opaque
-  const Vec3d size = toDouble(found->second.storage_vox);
   frameProgram(boxes.front().texels.indexScale(), found->second.format.has_spread, beside)
-      .set("chunk_texel_size", Vec3d{1 / size.x, 1 / size.y, 1 / size.z});
+      .set("chunk_texel_size", kOne / toDouble(found->second.storage_vox));
   gl_.ActiveTexture(GL_TEXTURE0 + kChunkUnit);
   gl_.BindTexture(GL_TEXTURE_3D, found->second.texture);
   drawPieces(boxes, [&](const DrawingPiece& piece) {

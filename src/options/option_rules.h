@@ -1,4 +1,4 @@
-// Which options of a picture go together, on the command line and as keywords of the Python
+// Tells which options of a picture go together, on the command line and as keywords of the Python
 // package. Names are those of the command line.
 #pragma once
 

@@ -190,7 +190,7 @@ TEST_F(SurfaceLevelsTest, aClosedSurfaceHasNoCracksWhereLevelsMeet) {
   for (const double bumps : {0.0, 1.5}) {
     const auto source = ball({80, 80, 80}, bumps);
     Pyramid pyramid(*source, 4, true, Spreads::kKept, 8);
-    // From one side of the inside, so that the far wall is drawn coarser than the near one.
+    // The eye is near one side of the inside: the far wall is drawn coarser than the near one.
     const auto session = sessionOf(pyramid, surface(30), true);
     for (const Vec3d toward : {Vec3d{0, 0.1, 0.2}, {0.9, 1, 0.1}, {0.2, 0.8, 1}})
       for (const uint64_t bytes : {uint64_t{1} << 40, uint64_t{1} << 19}) {

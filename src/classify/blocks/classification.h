@@ -30,8 +30,8 @@ struct ObjectBlock {
   Box3 cells;      // the object box: cells of the volume, inside the block's owned cells
   BlockClass kind = BlockClass::kGrey;
   int trimming_axis = 2;  // the shortest side of the object box; the last of equals
-  // In a cut of several levels whose look has surfaces, the faces of the block's region beside
-  // which no block of its own level is drawn: bit a for the lower face across axis a, bit 3 + a for
+  // The faces of the block's region beside which no block of its own level is drawn, in a cut of
+  // several levels whose look has surfaces: bit a for the lower face across axis a, bit 3 + a for
   // the upper one.
   unsigned level_faces = 0;
 };

@@ -1,5 +1,5 @@
-// How often the strips of a picture and its clusters want the blocks of a plan: a strip loads each
-// chunk that has a block among its rows. Pure functions of plans.
+// Counts how often the strips of a picture and its clusters want the blocks of a plan: a strip
+// loads each chunk that has a block among its rows. Pure functions of plans.
 #pragma once
 
 #include <cstdint>

@@ -9,9 +9,9 @@
 
 namespace sluice {
 
-// For each surface of a look two, which show the values from its own on, and those below it; and
-// the look without its surfaces if it shows something else. They are for choosing blocks alone:
-// their `look_up` is empty.
+// Returns two looks for each surface of a look, which show the values from its own on, and those
+// below it, and the look without its surfaces if it shows something else. They are for choosing
+// blocks alone: their `look_up` is empty.
 std::vector<LookPtr> looksBesideSurfaces(const TimeStep& step, const Look& look);
 
 }  // namespace sluice

@@ -24,7 +24,7 @@ namespace sluice {
 
 using TransferPtr = std::shared_ptr<const TransferFunction>;
 
-// In units of the finest spacing of the finest level that is drawn.
+// The unit is the finest spacing of the finest level that is drawn.
 inline constexpr double kMostSurfaceStep = 1;
 
 class Planner {
