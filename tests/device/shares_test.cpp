@@ -11,6 +11,7 @@
 
 #include "src/render/camera/frame_setup.h"
 #include "src/render/camera/index_space.h"
+#include "tests/device/draw_one_box.h"
 #include "tests/device/suite_device.h"
 #include "tests/support/plain_device.h"
 
@@ -103,12 +104,7 @@ Picture drawBox(Device& device, const FrameSetup& setup, const ChunkTexelsPtr& c
   box.cells = boxOf(dims - Vec3i{1, 1, 1});
   box.texels.scale = scale;
   box.texels.offset = offset;
-  device.makeResident(1, chunk);
-  device.beginFrame(setup);
-  device.draw({&box, 1});
-  Picture picture = device.endFrame();
-  device.evict(1);
-  return picture;
+  return drawOneBox(device, setup, chunk, box);
 }
 Picture drawOn(Device& device, const FrameSetup& setup, const ChunkTexelsPtr& chunk,
                Vec3d scale = {1, 1, 1}) {

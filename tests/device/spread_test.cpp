@@ -12,6 +12,7 @@
 
 #include "src/render/camera/frame_setup.h"
 #include "src/render/camera/index_space.h"
+#include "tests/device/draw_one_box.h"
 #include "tests/device/suite_device.h"
 #include "tests/support/plain_device.h"
 
@@ -104,12 +105,7 @@ Picture drawOn(Device& device, const FrameSetup& setup, const ChunkTexelsPtr& ch
   box.cells = boxOf(kDims - Vec3i{1, 1, 1});
   box.texels.scale = scale;
   box.texels.offset = (Vec3d{1, 1, 1} - scale) * 3.0;
-  device.makeResident(1, chunk);
-  device.beginFrame(setup);
-  device.draw({&box, 1});
-  Picture picture = device.endFrame();
-  device.evict(1);
-  return picture;
+  return drawOneBox(device, setup, chunk, box);
 }
 
 double worstOf(const Picture& a, const Picture& b) {
@@ -245,12 +241,7 @@ TEST_F(SpreadTest, besideABoxOpaqueSurfacesAloneShow) {
       box.chunk = 1;
       box.cells = {{3, 2, 1}, {kDims.x - 1, kDims.y - 1, kDims.z - 1}};
       box.beside = Box3{{0, 0, 0}, {3, 2, 1}};
-      device.makeResident(1, chunk);
-      device.beginFrame(setup);
-      device.draw({&box, 1});
-      Picture picture = device.endFrame();
-      device.evict(1);
-      return picture;
+      return drawOneBox(device, setup, chunk, box);
     };
     const Picture drawn = drawBeside(*device_);
     EXPECT_GT(mostOpacity(drawn), 0.99);
