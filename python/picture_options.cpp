@@ -332,7 +332,6 @@ void requirePairs(const py::kwargs& keywords) {
 void modulate(const py::kwargs& keywords, LookOptions& look) {
   const bool is_on = keywords.contains("modulate") && !keywords["modulate"].is_none() &&
                      keywords["modulate"].cast<bool>();
-  if (look.full_gradient && !is_on) throw py::type_error("full_gradient requires modulate=True");
   if (is_on && !look.full_gradient) look.full_gradient = LookOptions::kUsualFullGradient;
 }
 

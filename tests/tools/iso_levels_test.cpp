@@ -64,12 +64,14 @@ TEST_F(IsoLevels, levelZeroIsThePictureOfTheVolumeWithoutLevels) {
 
 TEST_F(IsoLevels, areTheSameInStrips) {
   const auto draw = [&](const char* memory) {
-    const json report = program_.json(
-        fmt::format("render synth:phantom,dims=60x56x50,levels=3 --block 16 --page 16x16x16 "
-                    "--pages 64 --device cpu --iso 90 --pixel-error 20 --projection perspective "
-                    "--zoom 2 --size 901x777 --memory {} -o {}.png --force",
-                    memory, memory));
+    const std::string options = fmt::format(
+        "synth:phantom,dims=60x56x50,levels=3 --block 16 --page 16x16x16 --pages 64 --device cpu "
+        "--iso 90 --pixel-error 20 --projection perspective --zoom 2 --size 901x777 --memory {}",
+        memory);
+    const json planned = program_.json("plan " + options);
+    const json report = program_.json(fmt::format("render {} -o {}.png --force", options, memory));
     EXPECT_GE(report["cut"]["levels"].size(), 2U);
+    EXPECT_LE(report["levels"]["volume_buffer"]["loads"], planned["most_read"]["blocks"]);
     return report["picture_memory_bytes"].get<uint64_t>();
   };
   EXPECT_LT(draw("24M"), draw("900M"));

@@ -3,7 +3,17 @@
 #include <algorithm>
 #include <utility>
 
+#include "src/render/frame/level_borders.h"
+
 namespace sluice {
+namespace {
+
+// Surfaces are also drawn beside a block where levels meet.
+Box3 drawnIn(const PyramidLayout& pyramid, const TextureBlock& block, const Box3& shown) {
+  return block.level_faces == 0 ? block.cells : cellsWithBorders(pyramid, block, shown);
+}
+
+}  // namespace
 
 uint64_t decodedBytes(const PyramidLayout& layout, VoxelType type, const BlockName& block) {
   return static_cast<uint64_t>(layout.storedVoxels(block).count()) *
@@ -41,7 +51,8 @@ WantedReads wantedReads(const TexturePlan& textures, VoxelType type, const Strip
       const auto& blocks = textures.chunks[chunk].blocks;
       cells.clear();
       cells.reserve(blocks.size());
-      for (const BlockPosition block : blocks) cells.push_back(textures.blocks[block].cells);
+      for (const BlockPosition block : blocks)
+        cells.push_back(drawnIn(textures.pyramid, textures.blocks[block], strips.shown()));
       const int64_t times = strips.loads(cells);
       for (const BlockPosition block : blocks)
         wanted.add(times, decodedBytes(textures.pyramid, type, textures.blocks[block].name));
@@ -54,7 +65,8 @@ WantedReads wantedReadsOfEachBlock(const PyramidLayout& layout, const VisibleBlo
                                    const StripTally& strips) {
   WantedReads wanted;
   visitTextureBlocks(layout, visible, options, [&](const TextureBlock& block) {
-    wanted.add(strips.loads({&block.cells, 1}), decodedBytes(layout, type, block.name));
+    const Box3 cells = drawnIn(layout, block, strips.shown());
+    wanted.add(strips.loads({&cells, 1}), decodedBytes(layout, type, block.name));
   });
   return wanted;
 }

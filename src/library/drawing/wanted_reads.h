@@ -24,6 +24,8 @@ class StripTally {
 
   // The number of strips that load a chunk whose blocks have these cells.
   int64_t loads(std::span<const Box3> blocks) const;
+  // The cells that may show.
+  const Box3& shown() const { return setup_.shown; }
 
  private:
   const FrameSetup setup_;

@@ -135,7 +135,8 @@ bool FrameRun::hasBorders(const TextureBlock& block) const {
 }
 
 Box3 FrameRun::reachOf(const TextureBlock& block) const {
-  return hasBorders(block) ? cellsWithBorders(textures(), block, values_.setup.shown) : block.cells;
+  return hasBorders(block) ? cellsWithBorders(textures().pyramid, block, values_.setup.shown)
+                           : block.cells;
 }
 
 void FrameRun::drawBlock(BlockPosition position) {
@@ -150,7 +151,7 @@ void FrameRun::drawBlock(BlockPosition position) {
   if (boxes == nullptr) {  // the object box holds whatever its boxes would show
     const LevelBorders borders =
         hasBorders(block)
-            ? levelBorders(textures(), block, box, values_.setup.shown, values_.order->eye)
+            ? levelBorders(textures().pyramid, block, box, values_.setup.shown, values_.order->eye)
             : LevelBorders();
     for (const BoxDraw& before : borders.before) drawBox(block.chunk, before);
     drawBox(block.chunk, box);

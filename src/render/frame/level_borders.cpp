@@ -10,12 +10,12 @@ namespace {
 constexpr double kRounding = 1e-6;
 
 // The cells beside a face that has a border; empty: it has none.
-Box3 cellsBeside(const TexturePlan& plan, const TextureBlock& block, int axis, bool is_upper,
+Box3 cellsBeside(const PyramidLayout& pyramid, const TextureBlock& block, int axis, bool is_upper,
                  const Box3& shown) {
   if ((block.level_faces >> (is_upper ? 3 + axis : axis) & 1U) == 0) return {};
-  const Box3 region = plan.pyramid.regionOf(block.name);
-  const LevelPlacement& placement = plan.pyramid.of(block.name).placement;
-  const Box3 texels = intersect(plan.pyramid.storedVoxels(block.name), block.voxels);
+  const Box3 region = pyramid.regionOf(block.name);
+  const LevelPlacement& placement = pyramid.of(block.name).placement;
+  const Box3 texels = intersect(pyramid.storedVoxels(block.name), block.voxels);
   const auto most = static_cast<int64_t>(std::ceil(placement.scale[axis] - kRounding));
   Box3 cells = block.cells;
   if (is_upper) {
@@ -41,13 +41,13 @@ bool passesLowerFirst(const EyePosition& eye, int axis, int64_t plane) {
 
 }  // namespace
 
-LevelBorders levelBorders(const TexturePlan& plan, const TextureBlock& block, const BoxDraw& box,
-                          const Box3& shown, const EyePosition& eye) {
+LevelBorders levelBorders(const PyramidLayout& pyramid, const TextureBlock& block,
+                          const BoxDraw& box, const Box3& shown, const EyePosition& eye) {
   LevelBorders borders;
   for (int axis = 0; axis < 3; ++axis)
     for (const bool is_upper : {false, true}) {
       BoxDraw beside = box;
-      beside.cells = cellsBeside(plan, block, axis, is_upper, shown);
+      beside.cells = cellsBeside(pyramid, block, axis, is_upper, shown);
       if (beside.cells.empty()) continue;
       beside.beside = box.cells;
       const int64_t plane = is_upper ? box.cells.hi[axis] : box.cells.lo[axis];
@@ -57,11 +57,11 @@ LevelBorders levelBorders(const TexturePlan& plan, const TextureBlock& block, co
   return borders;
 }
 
-Box3 cellsWithBorders(const TexturePlan& plan, const TextureBlock& block, const Box3& shown) {
+Box3 cellsWithBorders(const PyramidLayout& pyramid, const TextureBlock& block, const Box3& shown) {
   Box3 cells = block.cells;
   for (int axis = 0; axis < 3; ++axis)
     for (const bool is_upper : {false, true})
-      cells = unite(cells, cellsBeside(plan, block, axis, is_upper, shown));
+      cells = unite(cells, cellsBeside(pyramid, block, axis, is_upper, shown));
   return cells;
 }
 

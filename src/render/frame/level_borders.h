@@ -18,10 +18,10 @@ struct LevelBorders {
 
 // `box`: the block's, with its chunk. `shown`: cells that may show. Faces that the object box does
 // not reach have none.
-LevelBorders levelBorders(const TexturePlan& plan, const TextureBlock& block, const BoxDraw& box,
-                          const Box3& shown, const EyePosition& eye);
+LevelBorders levelBorders(const PyramidLayout& pyramid, const TextureBlock& block,
+                          const BoxDraw& box, const Box3& shown, const EyePosition& eye);
 
 // The cells that a block is drawn in with its borders.
-Box3 cellsWithBorders(const TexturePlan& plan, const TextureBlock& block, const Box3& shown);
+Box3 cellsWithBorders(const PyramidLayout& pyramid, const TextureBlock& block, const Box3& shown);
 
 }  // namespace sluice
