@@ -98,6 +98,8 @@ class Hand:
         for code, down in [(code, 1) for code in codes] + [(code, 0) for code in reversed(codes)]:
             self.test.XTestFakeKeyEvent(self.display, code, down, ctypes.c_ulong(0))
             self.sent += 1
+        self.flush()  # a key that load keeps down is repeated
+        time.sleep(0.005)  # GLFW takes a key once in a millisecond: input methods send some events twice
 
     def flush(self):
         self.x11.XSync(self.display, 0)
@@ -195,7 +197,6 @@ class Window:
         """Waits until the window has taken all events that were sent, in their order, and shows what came of them."""
         self.echoes += 1
         self.hand.key('F12')
-        self.hand.flush()
         self.wait(lambda line: line.get('echo', 0) >= self.echoes)
 
     def settled(self):
@@ -267,11 +268,9 @@ class Window:
         self.press(*keys)
 
     def press(self, *keys):
-        """Keys where the pointer and the focus are. Each is sent at once: one that load keeps down is repeated."""
+        """Keys where the pointer and the focus are."""
         for key in keys:
             self.hand.key(key)
-            self.hand.flush()
-            time.sleep(0.005)  # GLFW takes a key once in a millisecond: input methods send some events twice
 
     def fill(self, field, text):
         """Types into a field of text, in place of what is in it."""
