@@ -110,9 +110,9 @@ struct PlanOptions {
   MergeOrder merge_order = MergeOrder::kPaper;  // for kMerged
   int64_t time = 0;  // time step of blocks that are loaded although nothing of them is visible
   Box3 crop;         // cells that may show
-  // The clusters are those of this plan of the same blocks and perhaps more, of a volume with
-  // levels that are alike (areAlike()), and no cluster of it has more blocks than the texture cache
-  // holds; null: they follow from the blocks.
+  // The clusters are those of this plan of the same blocks and perhaps more, of a volume that has
+  // their levels in common with this one (levelsInCommon()), and no cluster of it has more blocks
+  // than the texture cache holds; null: they follow from the blocks.
   const TexturePlan* clusters = nullptr;
 };
 

@@ -122,14 +122,15 @@ Box3 PyramidLayout::childrenOf(int number, Vec3i index) const {
   return children;
 }
 
-bool areAlike(const PyramidLayout& a, const PyramidLayout& b) {
-  if (a.levels() != b.levels()) return false;
-  for (int i = 0; i < a.levels(); ++i) {
-    LevelLayout of_a = a.level(i);
-    of_a.numbers = b.level(i).numbers;
-    if (!(of_a == b.level(i))) return false;
+int levelsInCommon(const PyramidLayout& a, const PyramidLayout& b) {
+  const int most = std::min(a.levels(), b.levels());
+  int common = 0;
+  for (; common < most; ++common) {
+    LevelLayout of_a = a.level(common);
+    of_a.numbers = b.level(common).numbers;
+    if (!(of_a == b.level(common))) break;
   }
-  return true;
+  return common;
 }
 
 }  // namespace sluice

@@ -70,8 +70,8 @@ class PyramidLayout {
   std::vector<LevelLayout> levels_;  // the finest first
 };
 
-// Whether levels are cut into the same blocks, of voxels at the same places. Their voxels may have
-// more or fewer numbers.
-bool areAlike(const PyramidLayout& a, const PyramidLayout& b);
+// The number of levels, from the finest on, that both have alike: cut into the same blocks, of
+// voxels at the same places. Their voxels may have more or fewer numbers.
+int levelsInCommon(const PyramidLayout& a, const PyramidLayout& b);
 
 }  // namespace sluice

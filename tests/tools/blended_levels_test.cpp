@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <string>
 #include <string_view>
 
@@ -143,6 +144,58 @@ TEST_F(BlendedLevels, aRowOfPicturesBecomesTheOneThatWaits) {
   EXPECT_EQ(picture(fmt::format("p_{}.png", pictures.size() - 1)), picture("whole.png"));
   run(command + fmt::format("--level {} -o coarse.png", coarsest));
   EXPECT_EQ(picture("p_0.png"), picture("coarse.png"));
+}
+
+// Of volumes with more and fewer levels, those that both have are used: the picture is the one of
+// two volumes with as many levels as the one with fewer.
+TEST_F(BlendedLevels, withFewerLevelsOfOneThoseInCommonAreBlended) {
+  run("pack synth:phantom,dims=160x160x160 -o short.zarr --levels 1 --quiet");
+  run("pack synth:parts,dims=160x160x160 -o short_parts.zarr --levels 1 --downsample mode --quiet");
+  const auto drawn = [&](const std::string& volumes, const std::string& options,
+                         const std::string& name) {
+    return program_.json(fmt::format(
+        "render {} --look over:labels,0.3 --combine blend --size 160x140 --block 32 --step 0.5 "
+        "--threshold 60 --fit volume --no-shade {} --force -o {}.png",
+        volumes, options, name));
+  };
+  for (const char* options : {"--pixel-error 8", "--pixel-error 1", "--level 1"}) {
+    SCOPED_TRACE(options);
+    const auto expected =
+        drawn("short.zarr --over short_parts.zarr", options, "short")["frames"][0];
+    for (const char* volumes :
+         {"scan.zarr --over short_parts.zarr", "short.zarr --over parts.zarr"}) {
+      const auto frame = drawn(volumes, options, "mixed")["frames"][0];
+      for (size_t c = 0; c < 2; ++c)
+        EXPECT_EQ(frame["channels"][c]["cut"]["levels"], expected["channels"][c]["cut"]["levels"])
+            << volumes << " " << c;
+      EXPECT_EQ(frame["decoded_bytes"], expected["decoded_bytes"]) << volumes;
+      EXPECT_EQ(picture("mixed.png"), picture("short.png")) << volumes;
+    }
+  }
+  const auto coarse =
+      drawn("scan.zarr --over short_parts.zarr", "--pixel-error 8", "mixed")["frames"][0];
+  EXPECT_EQ(coarse["channels"][0]["cut"]["levels"].size(), 1);
+  EXPECT_EQ(coarse["channels"][0]["cut"]["levels"][0]["level"], 1);
+}
+
+// A level that one of them lacks was drawn as the finest one of all, without a word.
+TEST_F(BlendedLevels, aLevelThatOneLacksIsRefused) {
+  run("pack synth:phantom,dims=160x160x160 -o flat.zarr --levels none --quiet");
+  run("pack synth:parts,dims=160x160x160 -o short.zarr --levels 1 --downsample mode --quiet");
+  run("pack synth:parts,dims=160x160x160 -o means.zarr --levels 3 --quiet");
+  const auto refused = [&](const std::string& arguments, const std::string& words) {
+    for (const char* command : {"render -o no.png ", "plan ", "simulate "}) {
+      const CommandResult result =
+          program_.run(command + arguments + " --combine blend --look over:labels,0.3");
+      EXPECT_EQ(result.status, 1) << command << arguments;
+      EXPECT_THAT(result.output, HasSubstr(words)) << command << arguments;
+    }
+    EXPECT_FALSE(std::filesystem::exists(program_.folder.path() / "no.png"));
+  };
+  refused("scan.zarr --over short.zarr --level 2", "short.zarr has no such level in common");
+  refused("scan.zarr --over flat.zarr --level 1", "flat.zarr: --level 1: there is 1 level");
+  refused("flat.zarr --over scan.zarr --level 1", "flat.zarr: --level 1: there is 1 level");
+  refused("scan.zarr --over means.zarr --level 1", "means.zarr: its coarser levels hold means");
 }
 
 // Levels of one volume alone are not used, whichever has them.

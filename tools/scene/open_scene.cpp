@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "src/library/drawing/shared_world.h"
+#include "src/render/blocks/cut_rules.h"
 #include "tools/command_line/console.h"
 #include "tools/command_line/environment.h"
 #include "tools/command_line/interrupt.h"
@@ -84,6 +85,7 @@ std::vector<IndexedVolume> openIndexedChannels(const VolumeArguments& arguments,
   };
   if (!blends || !frame.cut || std::ranges::all_of(volumes, isAsFirst)) return volumes;
   // If only some have levels of resolution, the finest level of all is blended.
+  for (const IndexedVolume& volume : volumes) requireLevel(*frame.cut, volume.step());
   FrameOptions finest_alone = frame;
   finest_alone.cut.reset();
   volumes.clear();

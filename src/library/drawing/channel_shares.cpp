@@ -87,13 +87,23 @@ bool haveOneLayout(const IndexedVolume& a, const IndexedVolume& b) {
 
 bool haveOneCut(const FrameOptions& options, const std::vector<LayerLook>& layers) {
   const IndexedVolume& first = *layers.front().volume;
-  return std::ranges::all_of(layers, [&](const LayerLook& layer) {
+  const PyramidLayout levels = first.step().layout();
+  const int asked = options.cut ? options.cut->level.value_or(0) : 0;
+  bool draw_cuts = true;
+  int in_common = levels.levels();
+  for (const LayerLook& layer : layers) {
     const IndexedVolume& volume = *layer.volume;
-    return volume.pyramid != nullptr && first.pyramid != nullptr &&
-           areAlike(*volume.pyramid, *first.pyramid) &&
-           drawsCut(volume.step(), cutOfLayer(volume, *layer.transfer, options.cut), options.mode,
-                    *layer.transfer);
-  });
+    std::optional<CutOptions> cut = cutOfLayer(volume, *layer.transfer, options.cut);
+    if (asked > 0) cut->is_default = false;  // the level is that of all
+    draw_cuts &= drawsCut(volume.step(), cut, options.mode, *layer.transfer);
+    in_common = std::min(in_common, levelsInCommon(levels, volume.step().layout()));
+    if (asked >= in_common)
+      failRequest(
+          "--level {}: {} has no such level in common with {}; leave out --level, or --combine "
+          "blend, which draws all channels at one level",
+          asked, volume.name, first.name);
+  }
+  return draw_cuts && in_common > 1;
 }
 
 void evenOutPages(const std::vector<std::pair<const IndexedVolume*, PageGeometry*>>& pages) {

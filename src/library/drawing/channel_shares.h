@@ -43,8 +43,9 @@ void requireBlendable(const LookArguments& look, const FrameOptions& options,
                       const std::vector<const IndexedVolume*>& volumes);
 // Whether the volumes' finest levels are cut into blocks alike.
 bool haveOneLayout(const IndexedVolume& a, const IndexedVolume& b);
-// Whether the pictures of all volumes can be of one cut: each is drawn from one, through levels
-// that are alike. Throws Error as drawsCut() does.
+// Whether the pictures of all volumes can be of one cut: each is drawn from one, and they have more
+// than one level in common. Throws Error as drawsCut() does, and if they do not have the level in
+// common that is asked for.
 bool haveOneCut(const FrameOptions& options, const std::vector<LayerLook>& layers);
 
 // Gives the pages of each volume room for as many blocks, so that their clusters are the same, as

@@ -89,8 +89,10 @@ void Scene::shareAmong(Team& team, std::shared_ptr<const LentBoxes> lent, Layer&
 
 void Scene::openSession(const FrameOptions& frame, uint64_t more_bytes) {
   for (Layer* layer : layers()) layer->session.reset();
+  std::vector<FrameOptions> own;
+  for (const Layer* layer : layers()) own.push_back(optionsOf(*layer, frame));
   try {
-    for (Layer* layer : layers()) shareOut(*layer, optionsOf(*layer, frame), more_bytes);
+    for (size_t i = 0; i < own.size(); ++i) shareOut(*layers()[i], own[i], more_bytes);
     if (blends()) {
       std::vector<std::pair<const IndexedVolume*, PageGeometry*>> pages;
       for (Layer* layer : layers()) pages.emplace_back(&layer->volume, &layer->page);

@@ -55,14 +55,17 @@ class CutMaker {
       : options_(*questions.front().cut),
         pyramid_(shown.front()->pyramid()),
         sizes_(questions.front().step.source->layout(), questions.front().view) {
-    for (size_t i = 0; i < questions.size(); ++i)
+    for (size_t i = 0; i < questions.size(); ++i) {
       volumes_.push_back({questions[i], *shown[i], *questions[i].cut});
+      levels_ = std::min(levels_, levelsInCommon(pyramid_, shown[i]->pyramid()));
+    }
     for (const CoarserStep& level : questions.front().step.coarser)
       holds_extremes_ = holds_extremes_ || level.valuesShown() == LevelValues::kMaxima ||
                         level.valuesShown() == LevelValues::kMinima;
   }
 
   void makeLevel(int level) {
+    SLUICE_CHECK(level < levels_);
     addAll(level, [&](Volume& of, Vec3i index) {
       return std::optional(of.shown.objectOf(level, index, of.question.step.time));
     });
@@ -70,7 +73,7 @@ class CutMaker {
   }
 
   void make() {
-    const int top = pyramid_.levels() - 1;
+    const int top = levels_ - 1;
     addAll(top, [&](Volume& of, Vec3i index) {
       return of.shown.partOf(top, index, of.question.step.time);
     });
@@ -317,8 +320,9 @@ class CutMaker {
     open_ = std::move(finer);
   }
 
-  const CutOptions& options_;  // the volumes' but for the limits of bytes
-  const PyramidLayout& pyramid_;
+  const CutOptions& options_;       // the volumes' but for the limits of bytes
+  const PyramidLayout& pyramid_;    // of the first volume
+  int levels_ = pyramid_.levels();  // that all volumes have in common
   const PixelSizes sizes_;
   bool holds_extremes_ = false;  // the coarser levels do
   std::vector<Volume> volumes_;

@@ -33,8 +33,9 @@ class LevelCut : public BlockChooser {
   // Requires: the step has several levels and the question has a cut.
   VisibleBlocksPtr choose(const BlockQuestion& question) override;
   LevelCut* cutFor(const BlockQuestion& /*question*/) override { return this; }
-  // The answers to a question each, of one cut. Requires: the steps' levels are alike (areAlike()),
-  // and so are the questions' views and cuts but for the limits of bytes.
+  // The answers to a question each, of one cut through the levels that the steps have in common
+  // (levelsInCommon()). Requires: these include the level that the cuts name, and the questions'
+  // views and cuts are the same but for the limits of bytes.
   static std::vector<VisibleBlocksPtr> chooseTogether(std::span<LevelCut* const> cuts,
                                                       std::span<const BlockQuestion> questions);
 

@@ -26,7 +26,7 @@ constexpr double kLeastBytesPerSecond = 150e6;
 constexpr int kMorePixelErrors = 6;
 
 // Cuts from the coarsest of so many levels to `last`, each about a level finer than the one before.
-// `named`: the levels of the volume whose level `last` may name.
+// `named`: the number of levels of which `last` may name one.
 std::vector<CutOptions> cutsTo(const CutOptions& last, int levels, int named) {
   std::vector<CutOptions> cuts;
   const int finer_steps = last.level ? levels - 1 - *last.level : levels + kMorePixelErrors + 1;
@@ -67,8 +67,15 @@ Refinement::Refinement(const std::vector<RefinedLayer>& layers, RefinedPainter p
     if (layer->has_cut) most_levels = std::max(most_levels, of.step.layout().levels());
     layers_.push_back(std::move(layer));
   }
+  const PyramidLayout first = layers.front().step.layout();
+  int named = first.levels();
+  if (painter_.is_one_medium) {
+    for (const RefinedLayer& layer : layers)
+      named = std::min(named, levelsInCommon(first, layer.step.layout()));
+    most_levels = std::min(most_levels, named);
+  }
   SLUICE_CHECK(most_levels > 1);
-  cuts_ = cutsTo(*frame.cut, most_levels, layers.front().step.layout().levels());
+  cuts_ = cutsTo(*frame.cut, most_levels, named);
 }
 
 Refinement::~Refinement() {

@@ -91,7 +91,7 @@ class Session {
     double classify_s = 0, plan_s = 0;
   };
   // Requires: the sessions' volumes have one grid and one block size, and either the options of all
-  // draw a cut, through levels that are alike (areAlike()), or none.
+  // draw a cut, through the levels that they have in common (levelsInCommon()), or none.
   static Parts parts(std::span<Session* const> sessions);
   Residency& residency() { return residency_; }
   // A part was drawn. Adds to its report what the levels tell of the blocks. `reading_s`: the time

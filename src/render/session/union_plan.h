@@ -22,8 +22,9 @@ struct ChannelBlocks {
 };
 
 // The blocks that show something in any channel, each with the hull of the channels' object boxes.
-// Each channel's cache has room for a cluster. Requires: the channels' levels are alike
-// (areAlike()), and where two of them have a block, it is of the same level. Throws as
+// Each channel's cache has room for a cluster. Requires: the blocks are of levels
+// that the channels have in common (levelsInCommon()), and where two of them have a block, it is
+// of the same level. Throws as
 // planTextures() does.
 TexturePlan unionPlan(std::span<const ChannelBlocks> channels, PlanOptions options);
 
