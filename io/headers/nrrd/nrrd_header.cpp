@@ -103,6 +103,7 @@ struct Axis {
   bool spatial = true;
   std::string kind;
   double spacing = 1;
+  double first = 0;  // the position of the first voxel's centre along the axis
   std::optional<Vec3d> direction;
 };
 
@@ -116,6 +117,39 @@ void readSpacings(const NrrdFields& fields, std::span<Axis> axes) {
       axes[i].spacing = spacing;
     else if (axes.size() > 3)
       axes[i].spatial = false;
+  }
+}
+
+// The numbers of a field that has one for each axis; NaN if the field or the number is missing.
+std::vector<double> realsPerAxis(const NrrdFields& fields, std::string_view field,
+                                 std::string_view name, size_t dimension) {
+  std::vector<double> values(dimension, std::numeric_limits<double>::quiet_NaN());
+  const std::optional<std::string_view> text = fields.find(field);
+  if (!text) return values;
+  const auto words = perAxis(fields, name, *text, dimension);
+  for (size_t i = 0; i < dimension; ++i) values[i] = real(fields, name, words[i]);
+  return values;
+}
+
+// "axis mins" and "axis maxs" are the ends of an axis: the centres of its outer voxels if it is
+// centred on nodes, else the outer faces of these voxels (teem's default). They give the spacing
+// of an axis without "spacings". Requires: readSpacings has run.
+void readEnds(const NrrdFields& fields, std::span<Axis> axes) {
+  const std::vector<double> mins = realsPerAxis(fields, "axismins", "axis mins", axes.size());
+  const std::vector<double> maxs = realsPerAxis(fields, "axismaxs", "axis maxs", axes.size());
+  const std::vector<double> said = realsPerAxis(fields, "spacings", "spacings", axes.size());
+  std::optional<std::string_view> text = fields.find("centers");
+  if (!text) text = fields.find("centerings");
+  std::vector<std::string_view> centers;
+  if (text) centers = perAxis(fields, "centers", *text, axes.size());
+  for (size_t i = 0; i < axes.size(); ++i) {
+    Axis& axis = axes[i];
+    const bool of_nodes = !centers.empty() && lowercase(centers[i]) == "node";
+    const int64_t steps = of_nodes ? axis.size - 1 : axis.size;
+    const double length = maxs[i] - mins[i];
+    if (std::isnan(said[i]) && !std::isnan(length) && length != 0 && steps > 0)
+      axis.spacing = length / static_cast<double>(steps);
+    if (!std::isnan(mins[i])) axis.first = of_nodes ? mins[i] : mins[i] + axis.spacing / 2;
   }
 }
 
@@ -163,6 +197,7 @@ std::vector<Axis> readAxes(const NrrdFields& fields) {
     axes[i].size = integer(fields, "sizes", sizes[i], 1);
   }
   readSpacings(fields, axes);
+  readEnds(fields, axes);
   readKinds(fields, axes);
   readDirections(fields, axes);
   return axes;
@@ -237,16 +272,19 @@ void readGeometry(const NrrdFields& fields, const std::vector<Axis>& axes, Volum
     return position;
   };
   std::vector<Vec3d> steps;
+  Vec3d first;  // of the axes without a direction in the space
   for (size_t i = 0; i < axes.size(); ++i) {
     Vec3d step;
     step[static_cast<int>(i)] = axes[i].spacing;
+    if (!axes[i].direction) first[static_cast<int>(i)] = axes[i].first;
     steps.push_back(inUnit(axes[i].direction.value_or(step)));
   }
   if (steps.empty()) steps.push_back({1, 0, 0});
   setSteps(fields.path, steps, layout);
   const std::optional<std::string_view> origin = fields.find("spaceorigin");
-  if (origin && *origin != "none")
-    setOrigin(fields.path, inUnit(vector(fields, "space origin", *origin)), layout);
+  const bool has_origin = origin && *origin != "none";
+  setOrigin(fields.path, inUnit(has_origin ? vector(fields, "space origin", *origin) : first),
+            layout);
   const auto least = fields.find("min"), greatest = fields.find("max");
   if (least && greatest)
     setStoredRange(fields.path, real(fields, "min", *least), real(fields, "max", *greatest),

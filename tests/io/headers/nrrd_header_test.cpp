@@ -73,6 +73,28 @@ TEST(NrrdHeaderTest, spacingsGiveTheSteps) {
   expectNear(layout.axes[2], {0, 0, -1});
 }
 
+// teem's nrrdSpacingCalculate and nrrdOriginCalculate: 5 x 4 x 3 voxels between the ends.
+TEST(NrrdHeaderTest, theEndsOfTheAxesGiveTheOrigin) {
+  const VolumeLayout cells =
+      parse(headerWith("axis mins", "10 -20 30\naxis maxs: 12.5 -12 nan\nspacings: nan 2 3"))
+          .layout;
+  expectNear(cells.spacing, {0.5, 2, 3});
+  expectNear(cells.origin, {10.25, -19, 31.5});
+  const VolumeLayout nodes = parse(headerWith("axis mins",
+                                              "10 -20 nan\naxis maxs: 12 -14 7\n"
+                                              "centerings: node node node"))
+                                 .layout;
+  expectNear(nodes.spacing, {0.5, 2, 1});
+  expectNear(nodes.origin, {10, -20, 0});
+  // Ends that fall together give no spacing.
+  expectNear(parse(headerWith("axis mins", "0 0 0\naxis maxs: 0 0 0")).layout.spacing, {1, 1, 1});
+  // The space has an origin of its own.
+  expectNear(
+      parse(headerWith("axis mins", "7 7 7\nspace: RAS\nspace directions: (1,0,0) (0,1,0) (0,0,1)"))
+          .layout.origin,
+      {0, 0, 0});
+}
+
 TEST(NrrdHeaderTest, spaceDirectionsAndOriginGiveTheWorld) {
   std::string text = kPlainNrrd;
   text +=
@@ -247,6 +269,8 @@ TEST(NrrdHeaderTest, rejectsEachFieldThatIsWrong) {
       {"spacings", "1 1 1e300", "the spacing of axis 2"},
       {"spacings", "1 1 1e-300", "the spacing of axis 2"},
       {"spacings", "1 1 x", "spacings: 'x' is no number"},
+      {"axis mins", "1 1", "axis mins: 2 values, 3 axes"},
+      {"axis maxs", "1 1 x", "axis maxs: 'x' is no number"},
       {"kinds", "domain domain", "kinds: 2 values, 3 axes"},
       {"kinds", "vector domain domain", "axis 0 ('vector') holds 5 values"},
       {"space directions", "(1,0,0) (0,1,0)", "fewer vectors than the 3 axes"},
