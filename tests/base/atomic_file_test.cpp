@@ -5,8 +5,10 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <sys/syscall.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <csignal>
 #include <fstream>
 #include <set>
@@ -15,6 +17,22 @@
 #include "src/base/error.h"
 #include "tests/support/error_of.h"
 #include "tests/support/temp_folder.h"
+
+namespace {
+
+bool& cuttingFails() {
+  thread_local bool fails = false;
+  return fails;
+}
+
+}  // namespace
+
+// Takes the place of the C library's function in this program.
+extern "C" int ftruncate(int file, off_t bytes) noexcept {
+  if (!cuttingFails()) return static_cast<int>(syscall(SYS_ftruncate, file, bytes));
+  errno = EINVAL;
+  return -1;
+}
 
 namespace sluice {
 namespace {
@@ -89,6 +107,31 @@ TEST(AtomicFile, aNameMayBeAsLongAsTheFileSystemAllows) {
     EXPECT_EQ(kept, name.substr(0, kept.size()));
     EXPECT_EQ((kept.size() - std::string(first).size()) % 2, 0U) << temporary;
   }
+}
+
+// Said before the work that the file is for: the temporary name has a length that is allowed.
+TEST(AtomicFile, aNameThatIsTooLongIsAnErrorAtOnce) {
+  const TempFolder folder;
+  EXPECT_THAT(errorOf([&] { AtomicFile(folder / std::string(256, 'a')); }),
+              HasSubstr("cannot be written: File name too long"));
+  EXPECT_EQ(filesIn(folder.path()), std::set<std::string>());
+}
+
+// Files of some file systems cannot be cut.
+TEST(AtomicFile, aNewFileIsNotCut) {
+  const TempFolder folder;
+  cuttingFails() = true;
+  EXPECT_NO_THROW(AtomicFile(folder / "out.txt"));
+  cuttingFails() = false;
+  EXPECT_EQ(filesIn(folder.path()), std::set<std::string>());
+}
+
+// The system takes the path up to the zero for the whole, which is another file.
+TEST(AtomicFile, aNameWithAZeroByteIsRefused) {
+  const TempFolder folder;
+  const std::string name("out\0.png", 8);
+  EXPECT_THAT(errorOf([&] { AtomicFile(folder / name); }), HasSubstr("zero byte"));
+  EXPECT_EQ(filesIn(folder.path()), std::set<std::string>());
 }
 
 TEST(AtomicFile, neverWritesThroughALinkThatLiesInItsWay) {

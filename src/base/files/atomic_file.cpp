@@ -59,7 +59,8 @@ int openOwned(const std::filesystem::path& path) {
   // process.
   const bool is_locked = flock(file, LOCK_EX | LOCK_NB) == 0;
   const bool is_taken = is_locked ? !isOwn(file, path) : !is_new || errno == EWOULDBLOCK;
-  if (!is_taken && ftruncate(file, 0) == 0) return file;
+  // A new file is empty already, and some file systems cannot cut a file.
+  if (!is_taken && (is_new || ftruncate(file, 0) == 0)) return file;
   close(file);
   errno = EEXIST;
   return -1;
@@ -84,8 +85,14 @@ int openDirectly(const std::filesystem::path& path) {
 }  // namespace
 
 AtomicFile::AtomicFile(std::filesystem::path path) : path_(followed(std::move(path))) {
-  std::error_code ignored;
-  const std::filesystem::file_status status = std::filesystem::status(path_, ignored);
+  if (const size_t zero = path_.native().find('\0'); zero != std::string::npos)
+    failRequest("{}: cannot be written: the name has a zero byte after this",
+                path_.native().substr(0, zero));
+  std::error_code problem;
+  const std::filesystem::file_status status = std::filesystem::status(path_, problem);
+  // The temporary name is shorter, so that only the renaming at the end would fail.
+  if (problem == std::errc::filename_too_long)
+    failErrno(fmt::format("{}: cannot be written", path_.string()), problem.value());
   if (std::filesystem::is_directory(status))
     failRequest("{}: is a folder; give the name of a file", path_.string());
   if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {

@@ -23,7 +23,8 @@ namespace sluice {
 
 class AtomicFile {
  public:
-  // Throws Error when the folder cannot be written or the path is a folder itself.
+  // Throws Error when the folder cannot be written, when the path is a folder itself, or when its
+  // name is too long or has a zero byte.
   explicit AtomicFile(std::filesystem::path path);
   ~AtomicFile();
   AtomicFile(const AtomicFile&) = delete;
