@@ -154,6 +154,23 @@ TEST(PackCommand, wrongUsageIsOneLine) {
   EXPECT_FALSE(program.exists("a.zarr"));
 }
 
+// Names that a store cannot be renamed to are refused before the volume is packed.
+TEST(PackCommand, aNameThatCannotBeMadeIsRefusedBeforePacking) {
+  const Program program;
+  std::filesystem::create_symlink("nowhere", program.folder / "to_nothing.zarr");
+  std::filesystem::create_symlink("circle.zarr", program.folder / "circle.zarr");
+  const std::string long_name = std::string(251, 'n') + ".zarr";
+  for (const std::string& name :
+       {std::string("to_nothing.zarr"), std::string("circle.zarr"), long_name}) {
+    const CommandResult result = program.run("pack synth:cube,dims=9x9x9 -o " + name);
+    EXPECT_EQ(result.status, 1) << result.output;
+    EXPECT_TRUE(isOneLine(result.output)) << result.output;
+    EXPECT_TRUE(result.output.starts_with("sluice: " + name + ": ")) << result.output;
+  }
+  for (const auto& entry : std::filesystem::directory_iterator(program.folder.path()))
+    EXPECT_FALSE(entry.path().filename().string().ends_with(".partial")) << entry.path();
+}
+
 // Killed several times at several moments, then left alone.
 TEST(PackCommand, killedOrInterruptedItGoesOnToTheSameBytes) {
   const Program program;

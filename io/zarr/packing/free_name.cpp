@@ -45,8 +45,15 @@ void requireNothingForeign(const fs::path& store) {
 void requireFreeName(const fs::path& output, bool replace) {
   if (withoutSlash(output).extension() != ".zarr")
     failRequest("{}: expected a name ending in .zarr", output.string());
-  std::error_code ignored;
-  if (!fs::exists(output, ignored)) return;
+  std::error_code problem;
+  const fs::file_status status = fs::symlink_status(withoutSlash(output), problem);
+  if (problem == std::errc::filename_too_long)
+    failSystem("{}: cannot be written: {}", output.string(), problem.message());
+  // A folder cannot be renamed over a link, not even over one that leads nowhere.
+  if (fs::is_symlink(status) && !fs::exists(output, problem))
+    failRequest("{}: is a link that leads to nothing; remove it or choose another name",
+                output.string());
+  if (!fs::exists(status)) return;
   if (!replace)
     failRequest("{}: exists; --force replaces it once the new one is whole", output.string());
   if (!isZarr(folderPlace(output)))
