@@ -154,7 +154,7 @@ OptionValue valueOf(const OptionEntry& entry, const std::string& keyword, const 
     case OptionForm::kText:
       return taken<std::string>(keyword, "a text", value);
     case OptionForm::kFile:
-      return py::module_::import("os").attr("fspath")(value).cast<std::string>();
+      return py::module_::import("sluice").attr("_path")(keyword, value).cast<std::string>();
     case OptionForm::kColor: {
       OptionReals color = colorOf(keyword, value);
       if (color.size() != 3) failValue(keyword, "three numbers from 0 to 1", printed(value));

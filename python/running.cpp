@@ -1,5 +1,7 @@
 #include "python/running.h"
 
+#include <fmt/format.h>
+
 #include <chrono>
 #include <exception>
 
@@ -97,7 +99,11 @@ std::shared_ptr<py::function> sharedFunction(py::function function) {
 
 ProgressFunction progressFunction(const py::object& told) {
   if (told.is_none()) return {};
-  return [call = sharedFunction(told.cast<py::function>())](const Progress& progress) {
+  if (!PyCallable_Check(told.ptr()))
+    throw py::type_error(fmt::format("progress: expected a function, found {}",
+                                     py::str(py::repr(told)).cast<std::string>()));
+  return [call = sharedFunction(py::reinterpret_borrow<py::function>(told))](
+             const Progress& progress) {
     const py::gil_scoped_acquire locked;
     (*call)(nameOf(progress.stage), progress.done, progress.total);
   };

@@ -105,6 +105,16 @@ def _lists_keywords(function):
     return function
 
 
+def _path(keyword, value):
+    """The bytes of a file's name, which need not be UTF-8."""
+    if not isinstance(value, (str, bytes, _os.PathLike)):
+        raise TypeError(f'{keyword}: expected a name, found {value!r}')
+    name = _os.fsencode(value)
+    if not name or b'\0' in name:
+        raise ValueError(f'{keyword}: expected a name without zero bytes that is not empty, found {value!r}')
+    return name
+
+
 def _folder(*places):
     """The first folder that an environment variable names by its absolute path; '' if none does."""
     for variable, below in places:
@@ -120,7 +130,7 @@ def _index_folder(index_dir):
     SLUICE_INDEX=beside names no folder: an index next to the volume is read in any case.
     """
     if index_dir is not None:
-        return _os.fspath(index_dir)
+        return _path('index_dir', index_dir) if index_dir else ''
     wish = _os.environ.get('SLUICE_INDEX', '')
     if wish not in ('', 'beside', 'off'):
         raise ValueError(f"SLUICE_INDEX: expected off or beside, found '{wish}'")
@@ -138,7 +148,7 @@ def _cache(size, folder):
         return {}
     own_folder = _folder(('XDG_CACHE_HOME', 'sluice/web'), ('HOME', '.cache/sluice/web'))
     return dict(cache=_bytes('20G' if size is None else size, 'cache'),
-                cache_dir=_os.fspath(folder) if folder is not None else own_folder)
+                cache_dir=_path('cache_dir', folder) if folder is not None else own_folder)
 
 
 def _certificates():
@@ -192,7 +202,7 @@ def open(path, *, dims=None, type=None, endian=None, skip=None, time_steps=None,
                    threads=threads)
     options.update(_cache(cache, cache_dir), **_certificates())
     if over is not None:
-        options['over'] = _os.fspath(over)
+        options['over'] = _path('over', over)
     if any(str(each).startswith('s3://') for each in [*paths, over]):
         options.update(_sluice.bucket_access(_os.environ.get))
     if isinstance(channel, (list, tuple)):
@@ -200,7 +210,7 @@ def open(path, *, dims=None, type=None, endian=None, skip=None, time_steps=None,
             raise ValueError('channel: expected one or more channels, found none')
         channel = ','.join(map(str, channel)) if len(channel) > 1 else channel[0]
     options['channel_name' if isinstance(channel, str) else 'channel'] = channel
-    return Volume(_sluice.open_files([_os.fspath(each) for each in paths], options, progress))
+    return Volume(_sluice.open_files([_path('path', each) for each in paths], options, progress))
 
 
 def _three(keyword, numbers):
@@ -428,7 +438,7 @@ class Renderer:
     def save(self, path, *, progress=None, **options):
         """Draws a picture into a PNG or EXR file, in strips if it is large. The file appears whole
         or not at all, and replaces one that is there."""
-        self._handle.save(self._volume, _os.fspath(path), progress, **_picture(options))
+        self._handle.save(self._volume, _path('path', path), progress, **_picture(options))
 
     def plan(self, *, progress=None, **options):
         """The cost of the picture that render() draws for these options, before it is drawn: a dict
@@ -477,7 +487,7 @@ class Renderer:
     def record_to(self, path):
         """From now on writes each request of the texture cache into a trace, for simulate(); None
         ends it, and the file appears."""
-        self._handle.record_to('' if path is None else _os.fspath(path))
+        self._handle.record_to('' if path is None else _path('path', path))
 
     def report(self):
         """Times, counters and bytes of the last picture and of the levels of memory, as a dict."""
@@ -506,7 +516,7 @@ def simulate(trace, *, policies=None, sizes=None, format=None, page_bytes=4096, 
         >>> folder.cleanup()
     """
     request = _sluice.SimulationRequest()
-    request.trace = _os.fspath(trace)
+    request.trace = _path('trace', trace)
     request.policies = _list('policies', policies or [], 'names', _text)
     request.sizes = _list('sizes', [] if sizes is None else sizes, 'whole numbers',
                           lambda keyword, size: _whole(keyword, size, 64, 1))

@@ -584,6 +584,8 @@ class Requests(unittest.TestCase):
         with self.assertRaisesRegex(LookupError, 'enough'):
             volume.render(size=32, progress=complain)
         self.assertEqual(volume.render(size=32).shape, (32, 32, 4))
+        with self.assertRaisesRegex(TypeError, '^progress: expected a function, found 3'):
+            volume.render(size=32, progress=3)
 
     def test_are_ended_by_a_signal_within_a_second(self):
         class Enough(Exception):
@@ -654,6 +656,24 @@ class Requests(unittest.TestCase):
                               ('volume', lambda: sluice.Renderer(a))]:
             with self.subTest(keyword), self.assertRaisesRegex((TypeError, ValueError), f'^{keyword}: expected'):
                 call()
+
+    def test_have_names_of_any_bytes_but_zero(self):
+        volume = sluice.from_array(ball())
+        with tempfile.TemporaryDirectory() as folder:
+            for keyword, call in [('path', lambda name: volume.save(name)), ('path', sluice.open),
+                                  ('path', lambda name: sluice.open([name])), ('trace', sluice.simulate),
+                                  ('path', sluice.Renderer(volume).record_to),
+                                  ('transfer', lambda name: volume.render(size=8, transfer=name)),
+                                  ('over', lambda name: sluice.open(PHANTOM, over=name)),
+                                  ('index_dir', lambda name: sluice.open(PHANTOM, index_dir=name))]:
+                with self.subTest(keyword), self.assertRaisesRegex(ValueError, f'^{keyword}: expected a name without'):
+                    call(f'{folder}/a\0b.png')
+            self.assertEqual(os.listdir(folder), [])
+            name = f'{folder}/' + os.fsdecode(b'\xff.png')
+            volume.save(name, size=8)
+            self.assertEqual(os.listdir(folder.encode()), [b'\xff.png'])
+        with self.assertRaisesRegex(ValueError, '^path: expected a name'):
+            sluice.open('')
 
     def test_of_masked_voxels_are_refused(self):
         a = numpy.arange(64, dtype='u1').reshape(4, 4, 4)
