@@ -72,6 +72,19 @@ void RankShare::exchangeReached(int64_t time, std::vector<bool>& reached) {
   }
 }
 
+int64_t RankShare::sumOverRanks(int64_t mine) {
+  Message message(sizeof mine);
+  std::memcpy(message.data(), &mine, sizeof mine);
+  int64_t sum = 0;
+  for (const Message& other : team_.gatherAll(message)) {
+    int64_t number = 0;
+    SLUICE_CHECK_EQ(other.size(), sizeof number);
+    std::memcpy(&number, other.data(), sizeof number);
+    sum += number;
+  }
+  return sum;
+}
+
 Picture RankShare::picture() {
   SLUICE_CHECK(device_ != nullptr);
   report_ = {};

@@ -45,6 +45,8 @@ class RankShare {
   // Interrupted.
   Picture picture();
   const CompositingReport& report() const { return report_; }
+  // The sum of all ranks' numbers. All ranks call it. Throws RankFailed, Interrupted.
+  int64_t sumOverRanks(int64_t mine);
 
   // Runs `body` at rank 0, then at all others at once: for data that rank 0 keeps for them in a
   // file.

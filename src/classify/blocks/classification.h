@@ -51,6 +51,8 @@ struct VisibleBlocks {
   std::optional<CutSummary> cut;  // for a volume of several levels
   // Coarser blocks, ascending, in whose place the cut has finer ones.
   std::vector<BlockName> refined = {};
+  // Those that CutSummary::thin_blocks counts before anything is read, ascending.
+  std::vector<BlockName> thin = {};
   // On several ranks, if every block is loaded; unset: all blocks belong to this process.
   std::optional<BlockShare> share = {};
 };

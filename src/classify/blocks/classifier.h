@@ -25,6 +25,29 @@ inline size_t tasksOf(const SliceRanges& ranges) {
   return (ranges.blocks.size() + kBlocksPerTask - 1) / kBlocksPerTask;
 }
 
+// The box of a held block's cells, which are `owned`, from the first to the last slab along each
+// axis for whose least and greatest value `holds` is true; empty: there is none.
+template <class T, class Holds>
+Box3 cellsBetween(const SliceRanges& ranges, size_t held, const Box3& owned, const Holds& holds) {
+  Box3 cells;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto planes = ranges.planesAs<T>(held, axis);
+    const int64_t slabs = owned.hi[axis] - owned.lo[axis];
+    // The slab lies between this plane and the next.
+    const auto holdsSlab = [&](int64_t slab) {
+      const PlaneRange<T>* const plane = planes.data() + slab;
+      return holds(std::min(plane[0].lo, plane[1].lo), std::max(plane[0].hi, plane[1].hi));
+    };
+    int64_t first = 0, last = slabs;
+    while (first < slabs && !holdsSlab(first)) ++first;
+    if (first == slabs) return {};
+    while (!holdsSlab(last - 1)) --last;
+    cells.lo[axis] = owned.lo[axis] + first;
+    cells.hi[axis] = owned.lo[axis] + last;
+  }
+  return cells;
+}
+
 template <class T>
 class Classifier {
  public:
@@ -36,17 +59,8 @@ class Classifier {
     const PlaneRange<T> total = ranges_.totalsAs<T>()[held];
     // Without a look at the planes of a block that is solid.
     if (shown_.allPartsOf(total.lo, total.hi)) return intersect(owned, crop_);
-    Box3 cells;
-    for (int axis = 0; axis < 3; ++axis) {
-      const auto planes = ranges_.planesAs<T>(held, axis);
-      const int64_t slabs = owned.hi[axis] - owned.lo[axis];
-      int64_t first = 0, last = slabs;
-      while (first < slabs && !slabShows(planes.data() + first)) ++first;
-      if (first == slabs) return {};
-      while (!slabShows(planes.data() + last - 1)) --last;
-      cells.lo[axis] = owned.lo[axis] + first;
-      cells.hi[axis] = owned.lo[axis] + last;
-    }
+    const Box3 cells =
+        cellsBetween<T>(ranges_, held, owned, [&](T lo, T hi) { return shown_.any(lo, hi); });
     return intersect(cells, crop_);
   }
 
@@ -60,11 +74,6 @@ class Classifier {
   bool allBetween(T lo, T hi) const { return shown_.allPartsOf(lo, hi); }
 
  private:
-  // The slab between this plane and the next.
-  bool slabShows(const PlaneRange<T>* plane) const {
-    return shown_.any(std::min(plane[0].lo, plane[1].lo), std::max(plane[0].hi, plane[1].hi));
-  }
-
   const SliceRanges& ranges_;
   const Box3& crop_;
   const ShownVoxels<T> shown_;

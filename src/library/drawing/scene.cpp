@@ -288,7 +288,15 @@ Frame Scene::composed(Layer& layer, const std::function<Frame()>& draw_own) {
   layer.share->drawOn(share->device());
   Frame frame = draw_own();
   frame.picture = layer.share->picture();
-  if (frame.report.cut) frame.report.cut->spread.reset();  // of this rank's blocks alone
+  if (frame.report.cut) {
+    CutSummary& cut = *frame.report.cut;
+    cut.spread.reset();  // of this rank's blocks alone
+    if (cut.thin_change) {
+      const int64_t change = layer.share->sumOverRanks(*cut.thin_change);
+      cut.thin_blocks += change - *cut.thin_change;
+      cut.thin_change = change;
+    }
+  }
   frame.report.seconds += layer.share->report().seconds();
   composited += layer.share->report();
   return frame;

@@ -87,7 +87,7 @@ class CutMaker {
     VisibleBlocks blocks;
     blocks.white = of.left_out;
     std::map<int, CutSummary::Level> levels;
-    int64_t thin_blocks = 0, finest_cells = 0;
+    int64_t finest_cells = 0;
     for (const CutNode& node : chosen_) {
       const CutPart& part = partsOf(node)[number];
       if (!part.object) continue;
@@ -101,7 +101,7 @@ class CutMaker {
       ++level.blocks;
       level.cells += part.object->cells.count();
       if (node.level == 0) finest_cells += of.shown.finestCells(node.index);
-      thin_blocks += isThin(of, node) ? 1 : 0;
+      if (isThin(of, node)) blocks.thin.push_back(part.object->name);
       blocks.blocks.push_back(*part.object);
     }
     std::ranges::sort(blocks.blocks, {}, &ObjectBlock::name);
@@ -119,12 +119,13 @@ class CutMaker {
     summary.coarse_share = of.shown.coarseShare(finest_cells);
     summary.is_final = !is_stopped_ && !awaits_data_;
     summary.will_improve = awaits_data_;
-    summary.thin_blocks = thin_blocks;
+    summary.thin_blocks = static_cast<int64_t>(blocks.thin.size());
     blocks.cut = std::move(summary);
     for (const CutNode& node : refined_)
       if (const CutPart& part = partsOf(node)[number]; part.object)
         blocks.refined.push_back(part.object->name);
     std::ranges::sort(blocks.refined);
+    std::ranges::sort(blocks.thin);
     return blocks;
   }
 
@@ -273,9 +274,15 @@ class CutMaker {
     return node.level > 0 && !holds_extremes_ && pixelsOf(node) > 0 &&
            of.shown.hasThinParts(node.level, node.index);
   }
+  bool losesSurface(const Volume& of, const CutNode& node, const CutPart& part) const {
+    return of.question.loses_surface && node.level > 0 && !part.isEmpty() && pixelsOf(node) > 0 &&
+           of.question.loses_surface(*part.object);
+  }
   bool hasThin(const CutNode& node) {
     for (size_t i = 0; i < volumes_.size(); ++i)
-      if (partsOf(node)[i].object && isThin(volumes_[i], node)) return true;
+      if (partsOf(node)[i].object &&
+          (isThin(volumes_[i], node) || losesSurface(volumes_[i], node, partsOf(node)[i])))
+        return true;
     return false;
   }
   bool isTooCoarse(const CutNode& node) {

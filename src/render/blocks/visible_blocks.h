@@ -5,6 +5,7 @@
 // of which blocks are hidden, or a cut through levels of resolution, is another chooser.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 
@@ -28,6 +29,9 @@ struct BlockQuestion {
   const ReadLimit* limit = nullptr;          // of a cut; null: it waits for all data
   bool looks_around = false;                 // the frame integrates or has surfaces; not of a cut
   Algorithm algorithm = Algorithm::kMerged;  // whether blocks that are not visible are loaded, too
+  // Of a cut that keeps what is thin: whether the voxels of a coarser block lose part of a surface.
+  // It may read the block. Null: that is not known.
+  std::function<bool(const ObjectBlock&)> loses_surface = {};
 };
 
 class LevelCut;

@@ -1,4 +1,5 @@
 // A frame, from the time step to the picture.
+#include <functional>
 #include <utility>
 
 #include "src/base/error.h"
@@ -38,8 +39,19 @@ Frame Session::frame() {
   const LookPtr look = planner_.look(step_, transfer_, options.mode);
   const std::optional<ReadLimit> limit = readLimit(look);
   if (limit) options.time_limit_s.reset();  // all blocks of the cut come in time
-  const VisibleBlocksPtr visible =
-      planner_.visibleBlocks(step_, look, viewNow(), options, limit ? &*limit : nullptr);
+  const bool judges_surfaces = judgesSurfaces(look, options);
+  std::function<bool(const ObjectBlock&)> loses_surface;
+  if (judges_surfaces) {
+    lost_->ask(step_, look, cropCells(options, volume.dims));
+    // With a limit the next picture refines more.
+    if (options.cut->keeps_thin && !limit)
+      loses_surface = [this](const ObjectBlock& block) { return losesSurface(block); };
+  } else {
+    lost_->askNothing();
+  }
+  const VisibleBlocksPtr visible = planner_.visibleBlocks(step_, look, viewNow(), options,
+                                                          limit ? &*limit : nullptr, loses_surface);
+  if (judges_surfaces) lost_->expect(visible);
   options.step_vox = stepForCut(*visible, options);
   const std::optional<KeptRay> kept_ray =
       keptRay(*look->look_up, deviceMode(options.mode, step_.ranges->map.scale));
@@ -107,6 +119,7 @@ Frame Session::frame() {
   if (setup.light != nullptr) frame.report.light_texels = setup.light->dims;
   frame.report.step_vox = options.step_vox;
   frame.blocks = visible;
+  if (judges_surfaces) countLost(*look, *visible, view, frame.report);
   noteDrawn(visible, frame.report.seconds - frame.report.stages.draw - classify_s - plan_s,
             frame.report.decoded_bytes, frame.report);
   return frame;

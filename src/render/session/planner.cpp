@@ -54,9 +54,11 @@ BlockChooser& Planner::chooserFor(const BlockQuestion& question) {
   return classified_;
 }
 
-VisibleBlocksPtr Planner::visibleBlocks(const TimeStep& step, const LookPtr& look, const View& view,
-                                        const FrameOptions& options, const ReadLimit* limit) {
-  const BlockQuestion asked = question(step, look, view, options, limit);
+VisibleBlocksPtr Planner::visibleBlocks(
+    const TimeStep& step, const LookPtr& look, const View& view, const FrameOptions& options,
+    const ReadLimit* limit, const std::function<bool(const ObjectBlock&)>& loses_surface) {
+  BlockQuestion asked = question(step, look, view, options, limit);
+  asked.loses_surface = loses_surface;
   return chooserFor(asked).choose(asked);
 }
 

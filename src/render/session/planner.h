@@ -8,6 +8,7 @@
 // all threads of the pool.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -56,9 +57,11 @@ class Planner {
   // level that is drawn, in units of the volume's voxels along each axis.
   static double stepForSurfaces(const View& view, const VolumeLayout& layout, double step_vox,
                                 Vec3d voxel = {1, 1, 1});
-  // `limit` applies to such a cut alone; null: none.
-  VisibleBlocksPtr visibleBlocks(const TimeStep& step, const LookPtr& look, const View& view,
-                                 const FrameOptions& options, const ReadLimit* limit = nullptr);
+  // `limit` and `loses_surface`, see BlockQuestion, apply to such a cut alone; null: none.
+  VisibleBlocksPtr visibleBlocks(
+      const TimeStep& step, const LookPtr& look, const View& view, const FrameOptions& options,
+      const ReadLimit* limit = nullptr,
+      const std::function<bool(const ObjectBlock&)>& loses_surface = nullptr);
   // The question that visibleBlocks() asks its chooser. `limit` must outlive it.
   static BlockQuestion question(const TimeStep& step, const LookPtr& look, const View& view,
                                 const FrameOptions& options, const ReadLimit* limit = nullptr);

@@ -6,7 +6,9 @@
 #include "src/base/error.h"
 #include "src/base/threads/clock.h"
 #include "src/device/chunk_texels.h"
+#include "src/device/look_up_texels.h"
 #include "src/render/blocks/cut_rules.h"
+#include "src/render/camera/pixel_sizes.h"
 #include "src/render/frame/loaded_boxes.h"
 
 namespace sluice {
@@ -27,6 +29,7 @@ Session::Session(const TimeStep& step, Device& device, WorkerPool& pool,
       session_(options),
       stale_check_(std::make_unique<StaleCheck>(step.source->layout().name)),
       spreads_(std::make_unique<SpreadTally>()),
+      lost_(std::make_unique<LostTally>()),
       learnt_(step.ranges->unknown.empty()
                   ? nullptr
                   : std::make_unique<LearntRanges>(step.time, step.ranges)),
@@ -38,10 +41,11 @@ Session::Session(const TimeStep& step, Device& device, WorkerPool& pool,
   SLUICE_CHECK(!options.lit || step.ranges->layout.ghost >= 1);
   expectBlocksOf(step);
   residency_.blocks().checkBy(
-      [check = stale_check_.get(), spreads = spreads_.get(), learnt = learnt_.get()](
-          const BlockName& name, const VolumeBlock& block) {
+      [check = stale_check_.get(), spreads = spreads_.get(), lost = lost_.get(),
+       learnt = learnt_.get()](const BlockName& name, const VolumeBlock& block) {
         check->check(name, block);
         spreads->note(name, block);
+        lost->note(name, block);
         if (learnt != nullptr) learnt->note(name, block);
       });
 }
@@ -156,6 +160,39 @@ void Session::noteDrawn(const VisibleBlocksPtr& visible, double reading_s, uint6
   if (read_bytes < kTellingBytes || reading_s <= 0) return;
   const double bytes_per_s = static_cast<double>(read_bytes) / reading_s;
   bytes_per_s_ += kNewSpeed * (bytes_per_s - bytes_per_s_);
+}
+
+bool Session::judgesSurfaces(const LookPtr& look, const FrameOptions& options) const {
+  return Planner::drawsSurfaces(step_, *look, options) &&
+         drawsCut(step_, options.cut, options.mode, look->transfer);
+}
+
+bool Session::losesSurface(const ObjectBlock& object) {
+  const std::optional<bool> known = lost_->known(object.name);
+  return known ? *known : lost_->judge(object, *readBlocks({&object.name, 1}).front());
+}
+
+void Session::countLost(const Look& look, const VisibleBlocks& visible, const View& view,
+                        FrameReport& report) {
+  const PyramidLayout pyramid = step_.layout();
+  const PixelSizes sizes(step_.source->layout(), view);
+  // What shows around the surfaces may be thin, too.
+  const bool may_clear = !showsOpacities(*look.look_up);
+  int64_t change = 0;
+  for (const ObjectBlock& block : visible.blocks) {
+    const BlockName& name = block.name;
+    if (name.level == 0 || !(sizes.of(pyramid.of(name), pyramid.regionOf(name)) > 0)) continue;
+    // Blocks that earlier frames read for other surfaces are judged if that needs no reading.
+    if (!lost_->known(name) && (options_.time_limit_s || !residency_.blocks().holds(name)))
+      continue;
+    const bool is_thin = std::ranges::binary_search(visible.thin, name);
+    if (losesSurface(block))
+      change += is_thin ? 0 : 1;
+    else
+      change -= is_thin && may_clear ? 1 : 0;
+  }
+  report.cut->thin_change = change;
+  report.cut->thin_blocks += change;
 }
 
 FrameReport Session::frameReport() {

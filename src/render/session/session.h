@@ -16,6 +16,7 @@
 
 #include "src/index/index_file.h"
 #include "src/index/stale_check.h"
+#include "src/render/blocks/lost_tally.h"
 #include "src/render/blocks/spread_tally.h"
 #include "src/render/frame/frame_run.h"
 #include "src/render/light/arriving_light.h"
@@ -157,6 +158,13 @@ class Session {
   // Ends a frame of these blocks: they are the last ones, and the report gets their spreads.
   void noteDrawn(const VisibleBlocksPtr& visible, double reading_s, uint64_t read_bytes,
                  FrameReport& report);
+  // Whether a frame draws surfaces from coarser levels, whose blocks are then judged (LostTally).
+  bool judgesSurfaces(const LookPtr& look, const FrameOptions& options) const;
+  // Whether a coarser block loses part of a surface; reads it unless that is known.
+  bool losesSurface(const ObjectBlock& object);
+  // Sets the count of thin blocks in a report by what the blocks lose, as far as they were read.
+  void countLost(const Look& look, const VisibleBlocks& visible, const View& view,
+                 FrameReport& report);
   // Null if object boxes are drawn.
   ChosenBoxesPtr boxesOf(const LookPtr& look, const FramePlanPtr& plan);
 
@@ -166,6 +174,7 @@ class Session {
   Memo<TimeStep, BoxStore> box_store_;
   const std::unique_ptr<StaleCheck> stale_check_;  // checks the blocks that residency_ reads
   const std::unique_ptr<SpreadTally> spreads_;     // notes their spreads
+  const std::unique_ptr<LostTally> lost_;          // judges them if surfaces are drawn
   const std::unique_ptr<LearntRanges> learnt_;     // notes their ranges; null: all are known
   Residency residency_;
   Planner planner_;
