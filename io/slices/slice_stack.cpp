@@ -323,7 +323,13 @@ class SliceStack final : public VolumeSource,
         "{}: the folder has no .png or .tif slices, but {} files of {} bytes each; if they are raw "
         "slices, give --dims X,Y,{} and --type T, where X x Y voxels of the type have {} bytes",
         folder.string(), files.size(), *bytes, files.size(), *bytes);
-  fail("{}: the folder has no slices, expected .png, .tif or .tiff files", folder.string());
+  if (files.empty()) fail("{}: the folder has no slices, it is empty", folder.string());
+  // Many keep the steps of a series in a folder of their own.
+  fail(
+      "{}: the folder has no slices, expected .png, .tif or .tiff files, found {}; give one file, "
+      "or "
+      "the files of a time series as a pattern with # for each digit",
+      folder.string(), files.front().filename().string());
 }
 
 }  // namespace

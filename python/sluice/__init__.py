@@ -41,9 +41,10 @@ def _bytes(size, keyword='memory'):
     unit = _UNITS.get(word[-1:], 1)
     try:
         count = int(float(word[:-1] if unit > 1 else word) * unit) if isinstance(size, str) else int(size)
+        is_whole = isinstance(size, str) or count == size
     except (OverflowError, TypeError, ValueError):
-        count = -1
-    if not 0 <= count < 1 << 63:
+        count, is_whole = -1, False
+    if not is_whole or not 0 < count < 1 << 63:
         raise ValueError(f"{keyword}: expected bytes as in 512000000 or '512M', found {size!r}")
     return count
 

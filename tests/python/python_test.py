@@ -462,6 +462,8 @@ class Requests(unittest.TestCase):
         for call, error, words in [
                 (lambda: sluice.Renderer(volume, memory=-1), ValueError, "^memory: expected bytes .*, found -1$"),
                 (lambda: sluice.Renderer(volume, memory=float('nan')), ValueError, '^memory: .*, found nan$'),
+                (lambda: sluice.Renderer(volume, memory=0), ValueError, '^memory: .*, found 0$'),
+                (lambda: sluice.Renderer(volume, memory=1.5), ValueError, '^memory: .*, found 1.5$'),
                 (lambda: sluice.open(PHANTOM, cache=-4, cache_dir='c'), ValueError, '^cache: .*, found -4$'),
                 (lambda: sluice.Renderer(volume, threads='x'), TypeError, "^threads: .* whole number, found 'x'$"),
                 (lambda: sluice.Renderer(volume, device=4), TypeError, '^device: expected a text, found 4$'),

@@ -279,6 +279,12 @@ TEST(SliceFolder, aSliceThatIsNoFileAnyMoreIsNamed) {
 TEST(SliceFolder, rejectsOneWithoutSlicesOrWithTwoKinds) {
   const TempFolder folder;
   EXPECT_THAT(errorOf([&] { openSliceFolder(folder.path()); }), HasSubstr("has no slices"));
+  writeFile(folder / "step_1.nrrd", "NRRD0004");
+  writeFile(folder / "step_2.nrrd", "NRRD0004 ");
+  EXPECT_THAT(errorOf([&] { openSliceFolder(folder.path()); }),
+              HasSubstr("found step_1.nrrd; give one file, or the files of a time series"));
+  std::filesystem::remove(folder / "step_1.nrrd");
+  std::filesystem::remove(folder / "step_2.nrrd");
   EXPECT_THAT(errorOf([&] { openSliceFolder(folder / "none"); }), HasSubstr("cannot be read"));
   writeFile(folder / "a.png", "");
   EXPECT_THAT(errorOf([&] { openSliceFolder(folder.path()); }),
