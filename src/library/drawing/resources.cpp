@@ -41,8 +41,8 @@ int64_t defaultPages(const PageGeometry& page, const BufferNeeds& needs, Vec3i d
   return static_cast<int64_t>(pages);
 }
 
-// A planned block. Measured with blocks of 8 voxels, each in a chunk with one other: 820 bytes. With
-// surfaces, LostTally notes about 60 more.
+// A planned block. Measured with blocks of 8 voxels, each in a chunk with one other: 820 bytes.
+// With surfaces, LostTally notes about 60 more.
 constexpr uint64_t kPlannedBlockBytes = 1000;
 
 // The most blocks that a cut may hold at once, whatever the view.
