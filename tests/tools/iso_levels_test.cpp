@@ -32,7 +32,7 @@ class IsoLevels : public testing::Test {
 TEST_F(IsoLevels, areDrawnFromTheLevelThatPixelsAskForAndPlanned) {
   for (const char* more : {"", "--level 2", "--pixel-error 4 --threshold 40 --opacity 0.02",
                            "--projection perspective --zoom 4 --pixel-error 3",
-                           "--pixel-error 0.2 --max-bytes 400K", "--pixel-error 8 --keep-thin"}) {
+                           "--pixel-error 0.2 --max-bytes 400K"}) {
     SCOPED_TRACE(more);
     json drawn = render(more);
     json planned = plan(more);
@@ -51,6 +51,21 @@ TEST_F(IsoLevels, areDrawnFromTheLevelThatPixelsAskForAndPlanned) {
     return plan(more)["read"]["voxel_bytes"].get<uint64_t>();
   };
   EXPECT_LT(2 * bytes(""), bytes("--level 0"));
+}
+
+// A plan reads no voxels, which tell of bent and oblique sheets.
+TEST_F(IsoLevels, refineWhatTheirVoxelsShowToBeLost) {
+  const json coarse = render("--pixel-error 8");
+  EXPECT_GT(coarse["cut"]["thin_blocks"], 0);
+  for (const char* more : {"", "--device gl"}) {
+    const json kept = render(fmt::format("--pixel-error 8 --keep-thin {}", more));
+    EXPECT_EQ(kept["cut"]["thin_blocks"], 0) << more;
+    EXPECT_LT(kept["cut"]["coarse_share"], 1) << more;
+  }
+  // Pictures with a time limit do not wait for them, and say so.
+  EXPECT_GT(render("--pixel-error 8 --keep-thin --progressive")["cut"]["thin_blocks"], 0);
+  const json planned = plan("--pixel-error 8 --keep-thin");
+  EXPECT_EQ(planned["cut"]["coarse_share"], 1);
 }
 
 TEST_F(IsoLevels, levelZeroIsThePictureOfTheVolumeWithoutLevels) {
