@@ -7,6 +7,7 @@
 #include "src/library/drawing/resources.h"
 #include "src/library/drawing/shared_world.h"
 #include "src/render/blocks/cut_rules.h"
+#include "src/render/blocks/lost_surfaces.h"
 #include "src/render/light/arriving_light.h"
 #include "src/render/session/budgets.h"
 #include "src/volume/block_side.h"
@@ -120,7 +121,12 @@ uint64_t othersBytes(const IndexedVolume& volume, const TransferFunction& transf
   const uint64_t steps = volume.source->layout().time_steps > 1 ? 3 : 1;
   const uint64_t light_bytes =
       frame.lighting.looksAround() ? lightBytes(volume.source->layout(), pool.threads()) : 0;
-  return steps * volume.rangesBytes() + planBytes(volume, transfer, frame, pool) + light_bytes;
+  const bool judges_surfaces = !transfer.surfaces.empty() && volume.pyramid != nullptr;
+  const uint64_t judging_bytes =
+      judges_surfaces ? static_cast<uint64_t>(pool.threads()) * judgingBytes(volume.layout.size)
+                      : 0;
+  return steps * volume.rangesBytes() + planBytes(volume, transfer, frame, pool) + light_bytes +
+         judging_bytes;
 }
 
 void failOfShare(const Error& error, size_t channels) {

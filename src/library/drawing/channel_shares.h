@@ -53,7 +53,8 @@ bool haveOneCut(const FrameOptions& options, const std::vector<LayerLook>& layer
 void evenOutPages(const std::vector<std::pair<const IndexedVolume*, PageGeometry*>>& pages);
 
 // The bytes that a frame holds in addition to the levels and the picture: min-max arrays, plans,
-// and the light that arrives if the frame's lighting looks around.
+// the light that arrives if the frame's lighting looks around, and what judging surfaces of coarser
+// levels takes.
 uint64_t othersBytes(const IndexedVolume& volume, const TransferFunction& transfer,
                      const FrameOptions& frame, WorkerPool& pool);
 

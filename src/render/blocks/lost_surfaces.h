@@ -3,6 +3,8 @@
 // block's voxels and of the finest level's ranges; any thread may call them.
 #pragma once
 
+#include <cstdint>
+
 #include "src/volume/pyramid.h"
 #include "src/volume/slice_ranges.h"
 #include "src/volume/volume_buffer.h"
@@ -33,5 +35,9 @@ struct SurfaceQuestion {
 //   and the same holds for all cells of this box.
 // Requires: the block is of a coarser level, and has a ghost layer of two voxels.
 bool losesSurface(const BlockName& name, const VolumeBlock& block, const SurfaceQuestion& asked);
+// The most bytes that it holds for a block with so many voxels a side, ghost layers included.
+constexpr uint64_t judgingBytes(int64_t side) {
+  return 2 * static_cast<uint64_t>(side * side * side);
+}
 
 }  // namespace sluice

@@ -40,12 +40,16 @@ Frame Session::frame() {
   const std::optional<ReadLimit> limit = readLimit(look);
   if (limit) options.time_limit_s.reset();  // all blocks of the cut come in time
   const bool judges_surfaces = judgesSurfaces(look, options);
+  ReadTally judged;
   std::function<bool(const ObjectBlock&)> loses_surface;
   if (judges_surfaces) {
     lost_->ask(step_, look, cropCells(options, volume.dims));
     // With a limit the next picture refines more.
     if (options.cut->keeps_thin && !limit)
-      loses_surface = [this](const ObjectBlock& block) { return losesSurface(block); };
+      loses_surface = [&](const ObjectBlock& block) {
+        options.stop.throwIfStopped();
+        return losesSurface(block, judged);
+      };
   } else {
     lost_->askNothing();
   }
@@ -119,9 +123,13 @@ Frame Session::frame() {
   if (setup.light != nullptr) frame.report.light_texels = setup.light->dims;
   frame.report.step_vox = options.step_vox;
   frame.blocks = visible;
-  if (judges_surfaces) countLost(*look, *visible, view, frame.report);
+  if (judges_surfaces) countLost(*look, *visible, view, judged, frame.report);
   noteDrawn(visible, frame.report.seconds - frame.report.stages.draw - classify_s - plan_s,
             frame.report.decoded_bytes, frame.report);
+  // Blocks that were read to decide whether they are refined.
+  frame.report.decoded_bytes += judged.decoded_bytes;
+  frame.report.stages.read += secondsOf(judged.read_ns);
+  frame.report.stages.decode += secondsOf(judged.decode_ns);
   return frame;
 }
 

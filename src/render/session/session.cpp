@@ -167,13 +167,14 @@ bool Session::judgesSurfaces(const LookPtr& look, const FrameOptions& options) c
          drawsCut(step_, options.cut, options.mode, look->transfer);
 }
 
-bool Session::losesSurface(const ObjectBlock& object) {
-  const std::optional<bool> known = lost_->known(object.name);
-  return known ? *known : lost_->judge(object, *readBlocks({&object.name, 1}).front());
+bool Session::losesSurface(const ObjectBlock& object, ReadTally& tally) {
+  if (const std::optional<bool> known = lost_->known(object.name)) return *known;
+  const std::span<const BlockName> name(&object.name, 1);
+  return lost_->judge(object, *residency_.blocks().acquire(name, {}, &tally).front());
 }
 
 void Session::countLost(const Look& look, const VisibleBlocks& visible, const View& view,
-                        FrameReport& report) {
+                        ReadTally& tally, FrameReport& report) {
   const PyramidLayout pyramid = step_.layout();
   const PixelSizes sizes(step_.source->layout(), view);
   // What shows around the surfaces may be thin, too.
@@ -186,7 +187,7 @@ void Session::countLost(const Look& look, const VisibleBlocks& visible, const Vi
     if (!lost_->known(name) && (options_.time_limit_s || !residency_.blocks().holds(name)))
       continue;
     const bool is_thin = std::ranges::binary_search(visible.thin, name);
-    if (losesSurface(block))
+    if (losesSurface(block, tally))
       change += is_thin ? 0 : 1;
     else
       change -= is_thin && may_clear ? 1 : 0;

@@ -160,10 +160,11 @@ class Session {
                  FrameReport& report);
   // Whether a frame draws surfaces from coarser levels, whose blocks are then judged (LostTally).
   bool judgesSurfaces(const LookPtr& look, const FrameOptions& options) const;
-  // Whether a coarser block loses part of a surface; reads it unless that is known.
-  bool losesSurface(const ObjectBlock& object);
+  // Whether a coarser block loses part of a surface; reads it unless that is known, which is added
+  // to the tally. Throws as VolumeBuffer::acquire() does.
+  bool losesSurface(const ObjectBlock& object, ReadTally& tally);
   // Sets the count of thin blocks in a report by what the blocks lose, as far as they were read.
-  void countLost(const Look& look, const VisibleBlocks& visible, const View& view,
+  void countLost(const Look& look, const VisibleBlocks& visible, const View& view, ReadTally& tally,
                  FrameReport& report);
   // Null if object boxes are drawn.
   ChosenBoxesPtr boxesOf(const LookPtr& look, const FramePlanPtr& plan);
