@@ -1,7 +1,6 @@
 #include "src/cpu/simd_target.h"
 
 #include <hwy/highway.h>
-#include <hwy/targets.h>
 
 #include <algorithm>
 
@@ -43,7 +42,6 @@ namespace {
 
 struct TargetKernels {
   SimdTarget target;
-  int64_t bit;  // Highway's
   Kernels kernels;
 };
 
@@ -63,23 +61,40 @@ Kernels kernels(const char* name, void (*shape)(int&, int&), DrawTile composite,
 // Worst first.
 const std::vector<TargetKernels>& compiled() {
   static const std::vector<TargetKernels> all = {
-    {SimdTarget::kPlain, HWY_STATIC_TARGET, SLUICE_KERNELS("plain", HWY_NAMESPACE)},
+    {SimdTarget::kPlain, SLUICE_KERNELS("plain", HWY_NAMESPACE)},
 #if (HWY_TARGETS & HWY_SSE4) && HWY_STATIC_TARGET != HWY_SSE4 && defined(SLUICE_HAS_SSE4)
-    {SimdTarget::kSse4, HWY_SSE4, SLUICE_KERNELS("sse4", N_SSE4)},
+    {SimdTarget::kSse4, SLUICE_KERNELS("sse4", N_SSE4)},
 #endif
 #if (HWY_TARGETS & HWY_AVX2) && HWY_STATIC_TARGET != HWY_AVX2 && defined(SLUICE_HAS_AVX2)
-    {SimdTarget::kAvx2, HWY_AVX2, SLUICE_KERNELS("avx2", N_AVX2)},
+    {SimdTarget::kAvx2, SLUICE_KERNELS("avx2", N_AVX2)},
 #endif
 #if (HWY_TARGETS & HWY_AVX3) && HWY_STATIC_TARGET != HWY_AVX3 && defined(SLUICE_HAS_AVX3)
-    {SimdTarget::kAvx512, HWY_AVX3, SLUICE_KERNELS("avx512", N_AVX3)},
+    {SimdTarget::kAvx512, SLUICE_KERNELS("avx512", N_AVX3)},
 #endif
   };
   return all;
 }
 #undef SLUICE_KERNELS
 
+// Whether the processor has the instructions that Highway compiles a set for (HWY_TARGET_STR). Its
+// own hwy::SupportedTargets() is in a library that measures a clock for milliseconds when a program
+// starts. No processor with BMI2 lacks F16C, for which Clang cannot ask.
 bool works(const TargetKernels& each) {
-  return each.target == SimdTarget::kPlain || (hwy::SupportedTargets() & each.bit) != 0;
+  if (each.target == SimdTarget::kPlain) return true;
+#if defined(__x86_64__)
+  if (!(__builtin_cpu_supports("sse4.2") && __builtin_cpu_supports("pclmul") &&
+        __builtin_cpu_supports("aes")))
+    return false;
+  if (each.target == SimdTarget::kSse4) return true;
+  if (!(__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") &&
+        __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2")))
+    return false;
+  if (each.target == SimdTarget::kAvx2) return true;
+  return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
+         __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw");
+#else
+  return false;
+#endif
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <fmt/format.h>
+#include <hwy/targets.h>
 #include <sys/mman.h>
 #include <unistd.h>
 #include <algorithm>
@@ -274,6 +275,20 @@ TEST(SimdTargetTest, tinyChunksAreReadWithinTheirBytes) {
         }
       }
 }
+
+#if defined(__x86_64__)
+// Builds for sanitizers have the plain target alone.
+TEST(SimdTargetTest, thoseThatWorkAreThoseThatHighwayFinds) {
+  const auto targets = simdTargets();
+  for (const auto& [target, bit] : {std::pair{SimdTarget::kSse4, HWY_SSE4},
+                                    {SimdTarget::kAvx2, HWY_AVX2},
+                                    {SimdTarget::kAvx512, HWY_AVX3}})
+    if (targets.size() > 1) {
+      const bool works = std::ranges::find(targets, target) != targets.end();
+      EXPECT_EQ(works, (hwy::SupportedTargets() & bit) != 0) << name(target);
+    }
+}
+#endif
 
 TEST(SimdTargetTest, targetsHaveNamesAndTheBestIsTheLast) {
   const auto targets = simdTargets();
