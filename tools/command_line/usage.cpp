@@ -50,12 +50,7 @@ std::vector<std::string> commandsWith(const CLI::App& app, const std::string& na
 }
 
 std::string unknownOption(const CLI::App& program, const CLI::App& app, const std::string& name) {
-  std::string line = fmt::format("{} has no option {}", fullName(app), name);
-  if (name == "--level")
-    return line +
-           "; a coarser level of a store is one of its folders, such as image.zarr/2 (the --level "
-           "of "
-           "pack is how hard its codec tries)";
+  const std::string line = fmt::format("{} has no option {}", fullName(app), name);
   const auto others = commandsWith(program, name);
   const std::string meant = nearest(name, optionNames(app));
   if (others.empty() && !meant.empty()) return line + "; did you mean " + meant + "?";
