@@ -1,5 +1,7 @@
 #include "tools/program.h"
 
+#include <algorithm>
+#include <array>
 #include <csignal>
 #include <exception>
 
@@ -16,10 +18,26 @@
 namespace sluice {
 namespace {
 
-struct Heading {
-  const char* title;
-  std::vector<Command (*)(CLI::App&)> commands;
+struct CommandEntry {
+  const char* heading;  // in the overview
+  const char* name;
+  Command (*add)(CLI::App& program);
 };
+// In the order of the overview.
+constexpr std::array kCommands = std::to_array<CommandEntry>({
+    {"Pictures", "render", addRender},
+    {"Pictures", "view", addView},
+    {"Pictures", "surface", addSurface},
+    {"Pictures", "info", addInfo},
+    {"Pictures", "plan", addPlan},
+    {"Volumes", "synth", addSynth},
+    {"Volumes", "pack", addPack},
+    {"Volumes", "fetch", addFetch},
+    {"Volumes", "prepare", addPrepare},
+    {"Measuring", "simulate", addSimulate},
+    {"Measuring", "bench", addBench},
+    {"Measuring", "doctor", addDoctor},
+});
 
 // The other commands would do everything as often as there are ranks.
 bool isForRanks(const CLI::App& program) {
@@ -37,20 +55,22 @@ std::vector<std::string> withoutHelpWord(const std::vector<std::string>& words) 
   return rest;
 }
 
-int parseAndRun(const CommandLine& line, const std::vector<std::string>& given,
-                const Launch& launch) {
-  CLI::App& program = *line.program;
+int parseAndRun(const std::vector<std::string>& given, const Launch& launch) {
   // The build calls "help --files FOLDER"; no help lists it.
   if (given.size() == 3 && given[0] == "help" && given[1] == "--files") {
-    writeHelpFiles(program, given[2]);
+    writeHelpFiles(*makeCommandLine().program, given[2]);
     return kDone;
   }
   const std::vector<std::string> words = withoutHelpWord(given);
   if (words.empty() || words.front() == "--help" || words.front() == "-h") {
-    sayText(overview(program));
+    sayText(overview(*makeCommandLine().program));
     return kDone;
   }
-  if (const auto wrong = wrongUsage(program, words)) return refuseTogether(launch, *wrong, kUsage);
+  const CommandLine line = makeCommandLine(words.front());
+  CLI::App& program = *line.program;
+  // The complaint may name other commands.
+  if (wrongUsage(program, words))
+    return refuseTogether(launch, *wrongUsage(*makeCommandLine().program, words), kUsage);
   try {
     program.parse(std::vector<std::string>(words.rbegin(), words.rend()));
   } catch (const CLI::CallForHelp&) {
@@ -90,7 +110,7 @@ int parseAndRun(const CommandLine& line, const std::vector<std::string>& given,
 
 }  // namespace
 
-CommandLine makeCommandLine() {
+CommandLine makeCommandLine(std::string_view only) {
   CommandLine line;
   line.program = std::make_unique<CLI::App>("sluice " SLUICE_VERSION
                                             ": renders volumes larger than memory\n\n"
@@ -100,20 +120,17 @@ CommandLine makeCommandLine() {
   program.formatter(std::make_shared<HelpFormatter>());
   program.set_version_flag("-V,--version", SLUICE_VERSION);
   program.require_subcommand(1);
-  const std::vector<Heading> headings = {
-      {"Pictures", {addRender, addView, addSurface, addInfo, addPlan}},
-      {"Volumes", {addSynth, addPack, addFetch, addPrepare}},
-      {"Measuring", {addSimulate, addBench, addDoctor}}};
-  for (const auto& [title, commands] : headings)
-    for (const auto add : commands) {
-      Command command = add(program);
-      CLI::App* made = program.get_subcommands(nullptr).back();
-      made->group(title);
-      pairOptions(*made);
-      if (hasShortHelp(*made))
-        made->set_help_all_flag("--help-all", "Prints all options and exits");
-      line.commands.emplace_back(made, std::move(command));
-    }
+  const bool is_known = std::ranges::find(kCommands, only, &CommandEntry::name) != kCommands.end();
+  for (const auto& [heading, name, add] : kCommands) {
+    if (is_known && name != only) continue;
+    Command command = add(program);
+    CLI::App* made = program.get_subcommands(nullptr).back();
+    SLUICE_CHECK(made->get_name() == name);
+    made->group(heading);
+    pairOptions(*made);
+    if (hasShortHelp(*made)) made->set_help_all_flag("--help-all", "Prints all options and exits");
+    line.commands.emplace_back(made, std::move(command));
+  }
   return line;
 }
 
@@ -130,8 +147,7 @@ int runProgram(const std::vector<std::string>& words) {
     // A launcher whose run ends early ends each of its processes, and prints why.
     if (launch.ranks > 1) sayWhenInterrupted(nullptr);
     prepareDriver();
-    const CommandLine line = makeCommandLine();
-    status = parseAndRun(line, words, launch);
+    status = parseAndRun(words, launch);
     finishOutput();
     return status;
   } catch (const Interrupted&) {

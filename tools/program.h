@@ -5,6 +5,7 @@
 
 #include <memory>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -16,8 +17,9 @@ struct CommandLine {
   std::unique_ptr<CLI::App> program;
   std::vector<std::pair<const CLI::App*, Command>> commands;
 };
-// Every command with its options.
-CommandLine makeCommandLine();
+// The command that is called `only`, with its options; if none is, all commands. To make all takes
+// longer than starting the program.
+CommandLine makeCommandLine(std::string_view only = {});
 
 // Runs `words` (without the program's name): prints results on standard output, and errors as one
 // line on standard error. Throws nothing.

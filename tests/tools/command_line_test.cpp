@@ -1,5 +1,6 @@
 // The command line in the parser: the options, and the words that they accept.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <gtest/gtest.h>
 
 #include <functional>
@@ -67,6 +68,31 @@ std::string complaint(const std::vector<std::string>& words) {
 bool isIdle(const CLI::App& command, const CLI::Option& option) {
   const std::set<std::string> some{"info", "prepare", "packing", "view"};
   return option.get_group().empty() && some.contains(command.get_name());
+}
+
+TEST(CommandLine, aCommandAloneIsTheSameAsAmongAll) {
+  const CommandLine all = makeCommandLine();
+  ASSERT_GE(all.commands.size(), 12U);
+  for (const auto& [command, run] : all.commands) {
+    const CommandLine alone = makeCommandLine(command->get_name());
+    ASSERT_EQ(alone.commands.size(), 1U);
+    EXPECT_EQ(alone.program->get_subcommands(nullptr).size(), 1U);
+    EXPECT_EQ(alone.commands.front().first->help("", CLI::AppFormatMode::All),
+              command->help("", CLI::AppFormatMode::All));
+  }
+  for (const char* no_command : {"", "ren", "--version", "image.zarr"})
+    EXPECT_EQ(makeCommandLine(no_command).commands.size(), all.commands.size()) << no_command;
+}
+
+// A complaint names other commands, which the program makes for it alone.
+TEST(CommandLine, theProgramsComplaintKnowsAllCommands) {
+  const Program program;
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{"info", "a.nrrd", "--threshold", "3"},
+        {"packk", "a.nrrd"},
+        {"doctor", "--voxels"}})
+    EXPECT_EQ(program.run(fmt::format("{}", fmt::join(words, " "))).output,
+              "sluice: " + complaint(words) + "\n");
 }
 
 TEST(CommandLine, groupsHoldAtMostTwelveOptionsWithNamedValues) {
@@ -283,7 +309,8 @@ TEST(CommandLine, aNearMissIsAnsweredWithTheRightWord) {
       {"simulate --policies lru,beladi", "did you mean belady?"},
       {"synth phantm", "did you mean phantom?"},
       {"render --codec lz4", "pack has it"},
-      {"view --level 3", "a coarser level of a store is one of its folders, such as image.zarr/2"},
+      {"view --level 3",
+       "sluice view has no option --level; render, surface, plan, pack or simulate have it"},
       {"paint", "render, view, surface, info, plan"},
       {"synth:cube", "sluice render synth:cube -o picture.png"},
       {"bench", "limit, render"},
