@@ -34,7 +34,8 @@ class SequenceSource final : public VolumeSource, public ChanneledSource {
   // The first file's layout with time_steps set; a stored range is left out, as the other files may
   // exceed it.
   const VolumeLayout& layout() const override { return layout_; }
-  // Throws Error if a file's size, type, place or scaling differs from the first one's.
+  // Throws Error if a file's size, type, place or scaling differs from the first one's. All steps
+  // of microscopy lie where the first one does.
   void readRegion(int64_t time, const Box3& box, std::span<std::byte> out) override;
   void readRegions(int64_t time, std::span<const RegionRead> regions) override;
   std::optional<Occupancy> occupancy(int64_t time) override;

@@ -34,6 +34,9 @@ inline int64_t countOf(const Fields& fields, std::string_view name) {
   return count && *count >= 1 && *count <= kMostPlanes ? *count : 1;
 }
 
+// Positions beyond this are taken for damage.
+inline constexpr double kFarthest = 1e15;
+
 // The length when it makes sense as one, else 1.
 inline double lengthOr1(std::optional<double> length) {
   constexpr double kLeast = 1e-15, kMost = 1e15;

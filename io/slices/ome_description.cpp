@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <span>
 
@@ -27,12 +28,26 @@ struct OmePixels {
   std::vector<Fields> channels;
   std::vector<TiffBlock> blocks;
   std::string companion;
+  Fields first_plane;                              // <Plane> of slice, channel and step 0
+  std::vector<std::pair<int64_t, double>> depths;  // slice and PositionZ, of channel and step 0
 };
 
 Fields fieldsOf(const XmlTag& tag) {
   Fields fields;
   for (const auto& [name, value] : tag.attributes) fields.emplace(name, value);
   return fields;
+}
+
+// Keeps the place of a plane of the first channel and step.
+void addPlane(const Fields& plane, OmePixels& pixels) {
+  const auto numberOf = [&](std::string_view name) {
+    return numberIn<int64_t>(fieldOf(plane, name)).value_or(-1);
+  };
+  const int64_t slice = numberOf("TheZ");
+  if (numberOf("TheC") != 0 || numberOf("TheT") != 0 || slice < 0) return;
+  if (slice == 0) pixels.first_plane = plane;
+  if (const auto depth = numberIn<double>(fieldOf(plane, "PositionZ")))
+    pixels.depths.emplace_back(slice, *depth);
 }
 
 // Throws Error.
@@ -55,6 +70,7 @@ OmePixels pixelsIn(std::string_view xml) {
     if (!is_inside) return true;
     if (name == "Channel") pixels.channels.push_back(fieldsOf(tag));
     if (name == "TiffData") pixels.blocks.push_back({fieldsOf(tag), ""});
+    if (name == "Plane") addPlane(fieldsOf(tag), pixels);
     if (name == "UUID" && !pixels.blocks.empty())
       pixels.blocks.back().file = fieldOf(fieldsOf(tag), "FileName");
     return true;
@@ -124,13 +140,90 @@ bool placePlanes(const std::vector<TiffBlock>& blocks, int64_t pages, PageOrder&
   return true;
 }
 
-// If y or z has another unit than x, a known unit is converted to x's.
-double omeLength(const Fields& pixels, std::string_view axis, const std::string& unit) {
+// nullopt: it is not given. If y or z has another unit than x, a known unit is converted to x's.
+std::optional<double> omeLength(const Fields& pixels, std::string_view axis,
+                                const std::string& unit) {
   const std::string name = fmt::format("PhysicalSize{}", axis);
   const auto size = numberIn<double>(fieldOf(pixels, name));
   const std::string own = fieldOf(pixels, name + "Unit");
-  if (!size) return 1;
+  if (!size) return std::nullopt;
   return lengthOr1(*size * unitRatio(own.empty() ? "micrometer" : lengthUnit(own), unit));
+}
+
+// The unit of a plane's position along an axis. The stage's own frame, which counts without a unit,
+// has no length.
+std::optional<double> unitsOfPosition(const Fields& plane, std::string_view axis,
+                                      const std::string& unit) {
+  const std::string own = lengthUnit(fieldOf(plane, fmt::format("Position{}Unit", axis)));
+  if (!metersOf(own) || !metersOf(unit)) return std::nullopt;
+  return unitRatio(own, unit);
+}
+
+// The distance between slices by the planes' positions; nullopt: they have no length or do not lie
+// evenly.
+std::optional<double> stepOfPlanes(const OmePixels& pixels, const PageOrder& order) {
+  const auto units = unitsOfPosition(pixels.first_plane, "Z", order.unit);
+  auto depths = pixels.depths;
+  std::ranges::sort(depths);
+  const auto count = static_cast<int64_t>(depths.size());
+  if (!units || count < 2 || count != order.slices) return std::nullopt;
+  const double step = (depths.back().second - depths.front().second) / double(count - 1);
+  for (int64_t z = 0; z < count; ++z) {
+    const auto& [slice, depth] = depths[static_cast<size_t>(z)];
+    const double expected = depths.front().second + step * double(z);
+    if (slice != z || !(std::abs(depth - expected) < std::abs(step) / 2)) return std::nullopt;
+  }
+  return lengthOr1(std::abs(step * *units));
+}
+
+void setOmeSpacing(const OmePixels& pixels, PageOrder& order) {
+  const auto x = omeLength(pixels.fields, "X", order.unit),
+             y = omeLength(pixels.fields, "Y", order.unit),
+             z = omeLength(pixels.fields, "Z", order.unit),
+             planes = z ? std::nullopt : stepOfPlanes(pixels, order);
+  order.spacing.x = x.value_or(1);
+  order.spacing.y = y.value_or(order.spacing.x);
+  order.spacing.z = z ? *z : planes.value_or(1);
+  if (!z && !planes && order.slices > 1)
+    order.spacing_fault = fmt::format(
+        "its OME description has no PhysicalSizeZ: its slices are taken to be 1 {} apart; give "
+        "--spacing X,Y,Z if they are not",
+        order.unit);
+}
+
+// Places the first voxel where the stage was for the first plane.
+void setOmeOrigin(const OmePixels& pixels, PageOrder& order) {
+  Vec3d origin;
+  for (int a = 0; a < 3; ++a) {
+    const std::string axis(1, "XYZ"[a]), name = "Position" + axis;
+    const double at = numberIn<double>(fieldOf(pixels.first_plane, name)).value_or(0);
+    order.tells_place = order.tells_place || pixels.first_plane.contains(name);
+    const auto units = unitsOfPosition(pixels.first_plane, axis, order.unit);
+    if (at != 0 && !units) {
+      const std::string said = fieldOf(pixels.first_plane, name + "Unit");
+      order.place_fault = fmt::format(
+          "its {} is in the unit '{}', which has no length: the positions in its OME description "
+          "are not used",
+          name, said.empty() ? "reference frame" : printable(said, kLongestName));
+      return;
+    }
+    if (!(std::abs(at * units.value_or(1)) <= kFarthest)) {
+      order.place_fault =
+          fmt::format("its {} is beyond {:g}: the positions in its OME description are not used",
+                      name, kFarthest);
+      return;
+    }
+    origin[a] = at * units.value_or(1);
+  }
+  // Pairs compare by their slices first.
+  const auto by_slice = std::ranges::minmax_element(pixels.depths);
+  if (!pixels.depths.empty() && by_slice.max->second < by_slice.min->second) {
+    order.place_fault =
+        "its PositionZ falls from slice to slice, against its axis z: the place along z is not "
+        "used";
+    origin.z = 0;
+  }
+  order.origin = origin;
 }
 
 // A signed number of 32 bits: red, green, blue and alpha from the highest byte down. Writers that
@@ -193,9 +286,8 @@ PageOrder parseOmeDescription(std::string_view xml, int64_t pages) {
   if (fieldOf(pixels.fields, "PhysicalSizeX").empty()) return order;
   const std::string unit = fieldOf(pixels.fields, "PhysicalSizeXUnit");
   order.unit = unit.empty() ? "micrometer" : lengthUnit(unit);
-  order.spacing = {omeLength(pixels.fields, "X", order.unit),
-                   omeLength(pixels.fields, "Y", order.unit),
-                   omeLength(pixels.fields, "Z", order.unit)};
+  setOmeSpacing(pixels, order);
+  setOmeOrigin(pixels, order);
   return order;
 }
 

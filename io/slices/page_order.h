@@ -31,7 +31,12 @@ struct PageOrder {
   // The file of the same folder that describes the set instead; empty: none.
   std::string companion;
   Vec3d spacing{1, 1, 1};
-  std::string unit;                        // empty: the spacing is not known in one
+  Vec3d origin;      // position of the first voxel, in the spacing's unit
+  std::string unit;  // empty: the spacing is not known in one
+  // The reason why the spacing is partly a guess, and why positions that the description gives are
+  // not used, each a line without the file's name; empty: no reason.
+  std::string spacing_fault, place_fault;
+  bool tells_place = false;                // there is a position, whether it is used or not
   std::vector<std::string> channel_names;  // may be empty
   std::vector<StoredLook> channel_looks;   // empty: the description says nothing of them
   // ImageJ's stacks beyond 4 GiB: this many pages follow the first without tables of their own.

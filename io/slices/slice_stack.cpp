@@ -12,6 +12,7 @@
 #include "io/slices/slice_picture.h"
 #include "src/base/error.h"
 #include "src/base/threads/mutex.h"
+#include "src/base/values/place_fault.h"
 #include "src/base/values/read_units.h"
 #include "src/base/values/volume_channels.h"
 #include "src/base/values/volume_levels.h"
@@ -211,7 +212,20 @@ class SliceStack final : public VolumeSource,
     layout_.name = files_[0].filename().string();
     layout_.frame = WorldFrame::kPictureRows;
     layout_.spacing = options.spacing.value_or(order.spacing);
-    if (!options.spacing) layout_.unit = order.unit;
+    layout_.origin = order.origin;
+    if (!options.spacing) {
+      layout_.unit = order.unit;
+      if (!order.spacing_fault.empty())
+        layout_.notes.push_back(fmt::format("{}: {}", first, order.spacing_fault));
+    } else {
+      // The place stays so many voxels away, in the unit of the spacing that was given.
+      for (int a = 0; a < 3; ++a)
+        layout_.origin[a] = order.origin[a] * (layout_.spacing[a] / order.spacing[a]);
+    }
+    if (!order.place_fault.empty())
+      layout_.place_fault = fmt::format("{}: {}", first, order.place_fault);
+    else if (!order.tells_place)
+      layout_.place_fault = kTellsNoPlace;
     for (const std::string& note : format_.notes)
       layout_.notes.push_back(fmt::format("{}: {}", first, note));
     for (const std::string& note : order.notes)

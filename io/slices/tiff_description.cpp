@@ -27,6 +27,33 @@ Fields imageJFields(std::string_view text) {
   return fields;
 }
 
+void setImageJSpacing(const Fields& fields, double pixels_x, double pixels_y, PageOrder& order) {
+  order.unit = lengthUnit(fieldOf(fields, "unit"));
+  // Pixels without a unit have no size, but slices may be several pixels apart.
+  if (order.unit.empty() && fieldOf(fields, "spacing").empty()) return;
+  if (pixels_x > 0) order.spacing.x = lengthOr1(1 / pixels_x);
+  order.spacing.y = pixels_y > 0 ? lengthOr1(1 / pixels_y) : order.spacing.x;
+  const auto depth = numberIn<double>(fieldOf(fields, "spacing"));
+  order.spacing.z = lengthOr1(depth ? std::optional(std::abs(*depth)) : std::nullopt);
+  // ImageJ names the units of y and z only if they differ from that of x.
+  const auto ratioOf = [&](const char* key) {
+    return unitRatio(lengthUnit(fieldOf(fields, key)), order.unit);
+  };
+  order.spacing.y *= ratioOf("yunit");
+  order.spacing.z *= ratioOf("zunit");
+}
+
+// ImageJ gives the pixel that lies at the world's origin, along each axis. Its numbers are the same
+// if y is said to grow upward ("inverty"), because the world's y grows down the rows here.
+void setImageJOrigin(const Fields& fields, PageOrder& order) {
+  for (int a = 0; a < 3; ++a) {
+    constexpr const char* kKeys[] = {"xorigin", "yorigin", "zorigin"};
+    const double at = numberIn<double>(fieldOf(fields, kKeys[a])).value_or(0) * order.spacing[a];
+    if (std::abs(at) <= kFarthest) order.origin[a] = 0 - at;  // no -0
+    order.tells_place = order.tells_place || fields.contains(kKeys[a]);
+  }
+}
+
 PageOrder imageJOrder(std::string_view text, int64_t pages, double pixels_x, double pixels_y) {
   const Fields fields = imageJFields(text);
   PageOrder order;
@@ -51,21 +78,10 @@ PageOrder imageJOrder(std::string_view text, int64_t pages, double pixels_x, dou
   order.channel_step = 1;
   order.slice_step = order.channels;
   order.frame_step = order.channels * order.slices;
-  order.unit = lengthUnit(fieldOf(fields, "unit"));
-  if (order.unit.empty()) return order;
-  if (pixels_x > 0) order.spacing.x = lengthOr1(1 / pixels_x);
-  order.spacing.y = pixels_y > 0 ? lengthOr1(1 / pixels_y) : order.spacing.x;
-  const auto depth = numberIn<double>(fieldOf(fields, "spacing"));
-  order.spacing.z = lengthOr1(depth ? std::optional(std::abs(*depth)) : std::nullopt);
-  // ImageJ names the units of y and z only if they differ from that of x.
-  const auto ratioOf = [&](const char* key) {
-    return unitRatio(lengthUnit(fieldOf(fields, key)), order.unit);
-  };
-  order.spacing.y *= ratioOf("yunit");
-  order.spacing.z *= ratioOf("zunit");
+  setImageJSpacing(fields, pixels_x, pixels_y, order);
+  setImageJOrigin(fields, order);
   return order;
 }
-
 }  // namespace
 
 PageOrder parseTiffDescription(std::string_view description, int64_t pages, double pixels_a_unit_x,

@@ -145,7 +145,11 @@ class TiffPicture final : public SlicePicture {
     // Pixels per inch or centimeter are meant for printers, unless the text tells otherwise.
     resolution_ = {tiffField<float>(tiff_.get(), TIFFTAG_XRESOLUTION, 0),
                    tiffField<float>(tiff_.get(), TIFFTAG_YRESOLUTION, 0)};
-    if (unit == RESUNIT_INCH && !description_.starts_with("ImageJ=")) resolution_ = {};
+    const bool is_imagej = description_.starts_with("ImageJ=");
+    // ImageJ names the unit in its lines; dots per inch without one are those of a printer.
+    const bool has_unit = is_imagej && description_.find("\nunit=") != std::string::npos;
+    if (unit == RESUNIT_INCH ? !has_unit : is_imagej && !has_unit && unit != RESUNIT_NONE)
+      resolution_ = {};
   }
 
   // ImageJ writes stacks beyond 4 GiB as one page, behind which the others lie one by one.

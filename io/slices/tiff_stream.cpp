@@ -74,7 +74,11 @@ int warning(TIFF*, void* user, const char*, const char* format, va_list argument
 }  // namespace
 
 void TiffStream::failWith(const std::string& what) {
-  fail("{}: {}{}{}", file.path(), what, message.empty() ? "" : ": ", std::exchange(message, {}));
+  std::string reason = std::exchange(message, {});
+  // A failed read names the file, too.
+  const std::string named = file.path() + ": ";
+  if (reason.starts_with(named)) reason.erase(0, named.size());
+  fail("{}: {}{}{}", file.path(), what, reason.empty() ? "" : ": ", reason);
 }
 
 TiffPtr openTiff(TiffStream& stream) {

@@ -48,6 +48,9 @@ struct VolumeLayout {
   std::string name;  // for people: the file's name or the grid's
   std::string unit;  // unit of spacing and origin, if the file tells it: "millimeter", ...
   WorldFrame frame = WorldFrame::kNone;
+  // For people, one line: why the volume is not at its place (place_fault.h), which matters beside
+  // another one. Empty: it is there, or its format has no places.
+  std::string place_fault;
   // Other contents of the file: the number of channels or components and the one that is read, the
   // number of levels of resolution, the names of all grids or arrays.
   int64_t channels = 1, channel = 0, levels = 1;

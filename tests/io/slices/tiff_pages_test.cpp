@@ -6,6 +6,7 @@
 #include "io/open_volume.h"
 #include "io/slices/slice_stack.h"
 #include "io/slices/tiff_description.h"
+#include "src/base/values/place_fault.h"
 #include "src/base/values/volume_channels.h"
 #include "src/base/values/volume_levels.h"
 #include "tests/io/python_volumes.h"
@@ -64,6 +65,14 @@ TEST_F(TiffPages, theFirstChannelIsReadWhereNoneIsChosenAndANoteSaysSo) {
             openVolume(pathOf("ome-zct.tif").string(), {.channel = 1})->identity());
   EXPECT_THAT(errorOf([&] { openVolume(pathOf("ome-zct.tif").string(), {.channel = 4}); }),
               HasSubstr("has 4 channels"));
+}
+
+TEST(TiffPage, thatCannotBeReadNamesTheReasonAfterAColon) {
+  const TempFolder folder;
+  const std::string file = (folder / "a.tif").string();
+  writeFile(file, std::string("II*\0\x10\0\0\0", 8));
+  EXPECT_THAT(errorOf([&] { openVolume(file); }),
+              testing::StartsWith(file + ": no readable TIFF: "));
 }
 
 TEST_F(TiffPages, whatIsCutOffIsAnError) {
@@ -203,6 +212,117 @@ TEST(TiffDescription, lengthsInSeveralUnitsBecomeThatOfX) {
       4, 0, 0);
   EXPECT_EQ(ome.unit, "micrometer");
   for (int a = 0; a < 3; ++a) EXPECT_NEAR(ome.spacing[a], (Vec3d{0.5, 1, 2})[a], 1e-12);
+}
+
+PageOrder ome(const std::string& sizes, const std::string& planes, int64_t slices = 3) {
+  return parseTiffDescription(
+      fmt::format("<OME><Image><Pixels DimensionOrder=\"XYZCT\" SizeZ=\"{}\" SizeC=\"1\" "
+                  "SizeT=\"1\" {}>{}</Pixels></Image></OME>",
+                  slices, sizes, planes),
+      slices, 0, 0);
+}
+
+// The planes of a channel, each with its PositionZ.
+std::string planesAt(const std::vector<double>& depths, const std::string& more) {
+  std::string planes;
+  for (size_t z = 0; z < depths.size(); ++z)
+    planes += fmt::format("<Plane TheZ=\"{}\" TheC=\"0\" TheT=\"0\" PositionZ=\"{}\" {}/>", z,
+                          depths[z], more);
+  return planes;
+}
+
+void expectNear(Vec3d found, Vec3d expected) {
+  for (int a = 0; a < 3; ++a) EXPECT_NEAR(found[a], expected[a], 1e-9) << a;
+}
+
+constexpr const char* kInMicrometers =
+    "PhysicalSizeX=\"0.5\" PhysicalSizeY=\"0.5\" PhysicalSizeZ=\"2\"";
+
+TEST(TiffDescription, theFirstPlaneOfAnOmeDescriptionGivesThePlace) {
+  const std::string units = "PositionXUnit=\"mm\" PositionYUnit=\"\u00b5m\" PositionZUnit=\"nm\"";
+  const std::string other = "<Plane TheZ=\"0\" TheC=\"0\" TheT=\"1\" PositionX=\"9\"/>";
+  const PageOrder order =
+      ome(kInMicrometers,
+          other + planesAt({7000, 9000, 11000}, "PositionX=\"-1.5\" PositionY=\"30\" " + units));
+  expectNear(order.origin, {-1500, 30, 7});
+  EXPECT_EQ(order.place_fault, "");
+  expectNear(ome(kInMicrometers, "").origin, {0, 0, 0});
+}
+
+TEST(TiffDescription, positionsWithoutALengthAreNotUsedAndThatIsSaid) {
+  // Without a unit, a position counts in the stage's own frame.
+  const PageOrder frame = ome(kInMicrometers, planesAt({1, 3, 5}, "PositionX=\"4\""));
+  expectNear(frame.origin, {0, 0, 0});
+  EXPECT_THAT(frame.place_fault, HasSubstr("PositionX is in the unit 'reference frame'"));
+  const std::string z_unit = "PositionZUnit=\"\u00b5m\"";
+  const PageOrder falling = ome(kInMicrometers, planesAt({5, 3, 1}, z_unit));
+  expectNear(falling.origin, {0, 0, 0});
+  EXPECT_THAT(falling.place_fault, HasSubstr("falls from slice to slice"));
+  const PageOrder far = ome(kInMicrometers, planesAt({1e300, 1e300, 1e300}, z_unit));
+  EXPECT_THAT(far.place_fault, HasSubstr("beyond"));
+  EXPECT_EQ(ome(kInMicrometers, planesAt({0, 0, 0}, "PositionX=\"0\"")).place_fault, "");
+}
+
+TEST(TiffDescription, aMissingDistanceOfSlicesFollowsFromThePlanesOrIsSaid) {
+  const std::string flat = "PhysicalSizeX=\"0.5\"", unit = "PositionZUnit=\"nm\"";
+  const PageOrder even = ome(flat, planesAt({-500, 1000, 2500}, unit));
+  expectNear(even.spacing, {0.5, 0.5, 1.5});
+  EXPECT_EQ(even.spacing_fault, "");
+  expectNear(ome(flat, planesAt({2500, 1000, -500}, unit)).spacing, {0.5, 0.5, 1.5});
+  for (const std::string& planes :
+       {std::string(), planesAt({0, 1000}, unit), planesAt({0, 0, 0}, unit),
+        planesAt({0, 1000, 9000}, unit), planesAt({0, 1000, 2000}, "")}) {
+    const PageOrder guess = ome(flat, planes);
+    expectNear(guess.spacing, {0.5, 0.5, 1});
+    EXPECT_THAT(guess.spacing_fault, HasSubstr("taken to be 1 micrometer apart")) << planes;
+  }
+  EXPECT_EQ(ome(flat, "", 1).spacing_fault, "");
+  EXPECT_EQ(ome(kInMicrometers, "").spacing_fault, "");
+}
+
+TEST(TiffDescription, imageJNamesThePixelAtTheOrigin) {
+  const std::string said = "ImageJ=1\nslices=4\nxorigin=10\nyorigin=-4\nzorigin=1.5\n";
+  const PageOrder order = parseTiffDescription(said + "unit=um\nspacing=2\n", 4, 2, 4);
+  expectNear(order.spacing, {0.5, 0.25, 2});
+  expectNear(order.origin, {-5, 1, -3});
+  // Pixels without a unit.
+  expectNear(parseTiffDescription(said, 4, 2, 2).origin, {-10, 4, -1.5});
+  const PageOrder apart = parseTiffDescription(said + "spacing=3\n", 4, 0, 0);
+  expectNear(apart.spacing, {1, 1, 3});
+  expectNear(apart.origin, {-10, 4, -4.5});
+  EXPECT_EQ(apart.unit, "");
+}
+
+TEST(TiffPage, liesAtItsPlaceInAnySpacing) {
+  if (!hasPythonModules("numpy, tifffile")) GTEST_SKIP() << "python3 with tifffile is missing";
+  const TempFolder folder;
+  const auto write = [&](const std::string& name, const std::string& options) {
+    const std::string file = (folder / name).string();
+    EXPECT_EQ(runCommand("/usr/bin/python3 -c \"import numpy as n, tifffile as t; t.imwrite('" +
+                         file + "', n.zeros((3, 8, 9), 'u1'), " + options + ")\"")
+                  .status,
+              0);
+    return file;
+  };
+  const auto stage = [&](const char* name, int y) {
+    return write(name, fmt::format("ome=True, metadata=dict(axes='ZYX', PhysicalSizeX=.5, "
+                                   "PhysicalSizeY=.5, PhysicalSizeZ=2, Plane=dict("
+                                   "PositionX=[40]*3, PositionXUnit=['\u00b5m']*3, "
+                                   "PositionY=[{}]*3, PositionYUnit=['nm']*3))",
+                                   y));
+  };
+  const std::string file = stage("p.ome.tif", 500);
+  expectNear(openVolume(file)->layout().origin, {40, 0.5, 0});
+  expectNear(openVolume(file, {.spacing = Vec3d{5, 5, 20}})->layout().origin, {400, 5, 0});
+  // A stage that drifts is no obstacle to a series.
+  const auto series = openVolume({file, stage("q.ome.tif", 900)});
+  EXPECT_EQ(series->layout().time_steps, 2);
+  EXPECT_NO_THROW(allSteps(*series));
+  const auto plain =
+      openVolume(write("i.tif", "imagej=True, metadata=dict(axes='ZYX', spacing=3)"));
+  expectNear(plain->layout().spacing, {1, 1, 3});
+  EXPECT_EQ(plain->layout().place_fault, kTellsNoPlace);
+  EXPECT_EQ(series->layout().place_fault, "");
 }
 
 // A name in a message is one line.
