@@ -27,6 +27,12 @@ std::unique_ptr<VolumeSource> respaced(std::unique_ptr<VolumeSource> source,
   return std::make_unique<RelabelledSource>(std::move(source), std::move(layout));
 }
 
+std::unique_ptr<VolumeSource> placedAt(std::unique_ptr<VolumeSource> source, Vec3d origin) {
+  VolumeLayout layout = source->layout();
+  layout.origin = origin;
+  return std::make_unique<RelabelledSource>(std::move(source), std::move(layout));
+}
+
 std::unique_ptr<VolumeSource> withNote(std::unique_ptr<VolumeSource> source,
                                        const std::optional<std::string>& note) {
   if (!note) return source;

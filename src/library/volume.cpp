@@ -1,6 +1,7 @@
 #include <sluice/volume.h>
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "io/lent_source.h"
@@ -62,7 +63,7 @@ void open(OpenedVolume& opened, VolumeArguments arguments, const VolumeOptions& 
     IndexedVolume volume =
         indexVolume(std::move(source.source), source.arguments, machine, own, wish, pass);
     volume.channel = std::move(source.channel);
-    if (!source.note.empty()) volume.notes.push_back(std::move(source.note));
+    std::ranges::move(source.notes, std::back_inserter(volume.notes));
     if (volume.stand_in) volume.notes.push_back(volume.standInNote());
     addNotes(volume, wish, notes);
     if (opened.volume.source == nullptr)

@@ -55,6 +55,9 @@ def write():
     nrrd('silent.nrrd', spot, axes, ORIGIN, space='')
     nrrd('moved.nrrd', labels, [1000 * flip @ d for d in axes], 1000 * flip @ ORIGIN, 'left-posterior-superior', 'um')
     nrrd('apart.nrrd', spot, axes, ORIGIN + 1000)
+    nrrd('bare.nrrd', spot, axes, ORIGIN + 3, unit='')
+    nrrd('micro.nrrd', spot, axes, ORIGIN, unit='um')
+    nrrd('copied.nrrd', labels, axes, ORIGIN, unit='')
     nrrd('steps.nrrd', np.stack([spot, spot]), axes, ORIGIN)
     with open('table.txt', 'w') as table:
         table.write('1 255 0 0 1 1 1 "one"\n2 0 255 0 1 1 1 "two"\n7 0 0 255 1 1 1 "seven"\n')

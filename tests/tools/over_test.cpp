@@ -14,6 +14,7 @@ namespace sluice {
 namespace {
 
 using testing::HasSubstr;
+using testing::Not;
 
 class Over : public testing::Test {
  protected:
@@ -159,6 +160,22 @@ TEST_F(Over, saysWhatDoesNotFit) {
     EXPECT_THAT(result.output, HasSubstr(c.message)) << c.arguments;
   }
   EXPECT_FALSE(std::filesystem::exists(program_.folder.path() / "no.png"));
+}
+
+TEST_F(Over, saysIfLengthsHaveNoUnitInCommon) {
+  const std::string said =
+      "bare.nrrd has no unit of length, and micro.nrrd has the unit micrometer";
+  EXPECT_THAT(render("micro.nrrd --over bare.nrrd -o bare.png --report bare.json"),
+              HasSubstr("warning: " + said));
+  const CommandResult report =
+      runCommand("/usr/bin/python3 -c 'import json; print(*json.load(open(\"" +
+                 (program_.folder.path() / "bare.json").string() + "\"))[\"warnings\"])'");
+  EXPECT_THAT(report.output, HasSubstr(said));
+  // Millimeters are usual, known units are converted, and a copy of the numbers is no other place.
+  for (const char* fitting : {"scan.nrrd --over bare.nrrd", "scan.nrrd --over turned.nrrd",
+                              "micro.nrrd --over copied.nrrd"})
+    EXPECT_THAT(render(std::string(fitting) + " -o fits.png"), Not(HasSubstr("warning")))
+        << fitting;
 }
 
 TEST_F(Over, aStillVolumeIsShownInEachStepOfASeries) {

@@ -200,6 +200,7 @@ json volumeJson(const IndexedVolume& volume) {
           {"levels", layout.levels},
           {"grids", layout.grids},
           {"notes", drawn.notes},
+          {"place_fault", layout.place_fault},
           {"time_steps", layout.time_steps},
           {"value_range", {range.lo, range.hi}},
           {"values_level", values_level},
@@ -269,6 +270,15 @@ json channelsJson(const Scene& scene) {
   return channels;
 }
 
+// The lines that opening the volumes and choosing their looks print as warnings.
+std::vector<std::string> warningsOf(const Scene& scene) {
+  std::vector<std::string> lines = scene.lookWarnings();
+  for (const Layer* layer : scene.layers())
+    for (const std::string& note : layer->volume.notes)
+      if (std::ranges::find(lines, note) == lines.end()) lines.push_back(note);
+  return lines;
+}
+
 }  // namespace
 
 json sceneJson(const Scene& scene, const std::vector<RenderedFrame>& frames) {
@@ -281,6 +291,7 @@ json sceneJson(const Scene& scene, const std::vector<RenderedFrame>& frames) {
   report["transfer"] = scene.look.transfer.name;
   report["look"] = lookJson(scene.look);
   report["look"]["options"] = scene.drawn_look;
+  report["warnings"] = warningsOf(scene);
 
   if (last.cut) report["cut"] = cutJson(*last.cut);
   report["levels"] = levelsJson(scene);

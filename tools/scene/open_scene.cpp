@@ -1,6 +1,7 @@
 #include "tools/scene/open_scene.h"
 
 #include <algorithm>
+#include <iterator>
 #include <memory>
 #include <utility>
 
@@ -28,7 +29,7 @@ IndexedVolume indexed(ChannelSource opened, const ResourceArguments& resources,
                                      {pool, progress, memoryBudget(resources), interruption(),
                                       resources.quiet ? nullptr : printNotice});
   volume.channel = std::move(opened.channel);
-  if (!opened.note.empty()) volume.notes.push_back(std::move(opened.note));
+  std::ranges::move(opened.notes, std::back_inserter(volume.notes));
   for (const std::string& note : volume.notes) {
     if (resources.quiet || std::ranges::find(said, note) != said.end()) continue;
     printWarning(note);

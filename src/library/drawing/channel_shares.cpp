@@ -132,7 +132,7 @@ uint64_t othersBytes(const IndexedVolume& volume, const TransferFunction& transf
 void failOfShare(const Error& error, size_t channels) {
   if (const auto* const shortage = dynamic_cast<const MemoryShortage*>(&error))
     throw MemoryShortage(shortage->ofOne(), channels);
-  if (channels == 1) throw Error(error);
+  if (channels == 1 || error.kind() != Error::Kind::kMemory) throw Error(error);
   failAs(error.kind(), "{} ({} channels share the memory evenly, and this is the part of one)",
          error.what(), channels);
 }

@@ -58,7 +58,7 @@ void evenOutPages(const std::vector<std::pair<const IndexedVolume*, PageGeometry
 uint64_t othersBytes(const IndexedVolume& volume, const TransferFunction& transfer,
                      const FrameOptions& frame, WorkerPool& pool);
 
-// Throws an Error about a lack of memory again, and tells if so many channels share the memory.
+// Throws the Error again. One about a lack of memory tells if so many channels share the memory.
 [[noreturn]] void failOfShare(const Error& error, size_t channels);
 
 // The part of a machine for each of so many channels, which share the memory evenly.

@@ -35,6 +35,12 @@ double lostBelow(const VolumeLayout& layout, const SliceRanges& ranges) {
   return apart > (is_whole ? 1 : (range.hi - range.lo) / kColors) ? apart : 0;
 }
 
+// Whether all values are so small that floats have few digits left for them, or none.
+bool isTiny(const ValueRange& device_range) {
+  const double most = std::max(std::abs(device_range.lo), std::abs(device_range.hi));
+  return most > 0 && most < double{std::numeric_limits<float>::min()};
+}
+
 std::vector<std::string> notesOf(const std::string& name, const VolumeLayout& layout,
                                  const IndexedRanges& index) {
   std::vector<std::string> notes = layout.notes;
@@ -49,6 +55,11 @@ std::vector<std::string> notesOf(const std::string& name, const VolumeLayout& la
         "{}: its {} are drawn as floats, which are {:.3g} apart at its greatest value: values and "
         "labels that are closer look the same; subtract an offset to keep them apart",
         name, layout.type == VoxelType::kF64 ? "doubles" : "integers of 32 bits", apart));
+  else if (index.ranges.map.type == DeviceType::kF32 && isTiny(index.ranges.device_range))
+    notes.push_back(
+        fmt::format("{}: its values are all closer to 0 than {:.2g}, which floats hold with few "
+                    "digits: pictures may show nothing of them; multiply the values",
+                    name, std::numeric_limits<float>::min()));
   if (looksByteSwapped(index.ranges, layout.type))
     notes.push_back(
         fmt::format("{}: its values look as if their bytes were read in the wrong order; give "

@@ -132,6 +132,7 @@ SeriesFunctions functionsOfFamily(const IndexedVolume& volume, const TransferFun
     const SeriesFunctions& made = each.back();
     if (made.state != "read") family.state = made.state;
     family.path = made.path;
+    if (made.path.empty()) family.note = made.note;
     family.bytes += made.bytes;
     tables.push_back(tableOf(basis, volume, made.kept->device_range));
     bases.push_back(&made.kept->opacity);

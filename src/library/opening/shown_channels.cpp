@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <span>
 #include <utility>
 
@@ -16,9 +17,9 @@
 #include "src/classify/transfer/color_maps.h"
 #include "src/classify/transfer/transfer_makers.h"
 #include "src/library/conversions.h"
-#include "src/library/drawing/shared_world.h"
 #include "src/library/opening/checked_source.h"
 #include "src/library/opening/indexed_volume.h"
+#include "src/library/opening/place_notes.h"
 #include "src/options/option_words.h"
 
 namespace sluice {
@@ -137,7 +138,8 @@ std::vector<ChannelSource> openOwnChannels(const VolumeArguments& arguments) {
   source.reset();
   for (ChannelSource& channel : channels) {
     channel.source = openSource(channel.arguments);
-    channel.note = invertedNote(*channel.source, channel.channel);
+    std::string note = invertedNote(*channel.source, channel.channel);
+    if (!note.empty()) channel.notes.push_back(std::move(note));
   }
   return channels;
 }
@@ -153,20 +155,14 @@ VolumeArguments overArguments(const VolumeArguments& arguments) {
   return over;
 }
 
-// The volumes' boxes in the first one's world do not meet: one of them may lack its place.
-std::string apartNote(const VolumeLayout& over, const VolumeLayout& first,
-                      const std::string& name) {
-  if (cropOn(over, first, boxOf(first.dims)) != Box3{}) return "";
-  return fmt::format("{}: lies beside {} in the world, by the places that the files give them",
-                     name, first.name);
-}
-
 ChannelSource openOver(const VolumeArguments& arguments, const VolumeLayout& first) {
   ChannelSource over = openChannel(overArguments(arguments));
+  const std::string name = withoutSecrets(arguments.over);
+  over.source = withPlaceOf(first, std::move(over.source), name, over.notes);
   const VolumeLayout& layout = over.source->layout();
   if (layout.time_steps != 1 && layout.time_steps != first.time_steps)
     failRequest("{}: {} time steps, and {} has {}: a volume over another one has as many, or one",
-                withoutSecrets(arguments.over), layout.time_steps, first.name, first.time_steps);
+                name, layout.time_steps, first.name, first.time_steps);
   if (layout.time_steps > 1) over.arguments.time = arguments.time;
   over.channel.is_over = true;
   over.channel.is_alone = false;
@@ -174,7 +170,7 @@ ChannelSource openOver(const VolumeArguments& arguments, const VolumeLayout& fir
   const auto looks = channelLooks(*over.source);
   const auto at = static_cast<size_t>(over.channel.number);
   if (at >= looks.size() || !isSeen(looks[at].color)) over.channel.color.clear();
-  over.note = apartNote(layout, first, withoutSecrets(arguments.over));
+  std::ranges::move(placeNotes(layout, first, name), std::back_inserter(over.notes));
   return over;
 }
 

@@ -36,8 +36,8 @@ struct ShownChannel {
 struct ChannelSource {
   std::unique_ptr<VolumeSource> source;
   ShownChannel channel;
-  VolumeArguments arguments = {};  // that open it again
-  std::string note = {};           // for people, one line; may be empty
+  VolumeArguments arguments = {};       // that open it again
+  std::vector<std::string> notes = {};  // for people, one line each
 };
 
 // Opens the volume for what reads one channel: the one of --channel, or the first. Throws as
