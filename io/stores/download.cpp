@@ -1,7 +1,6 @@
 #include "io/stores/download.h"
 
 #include <fcntl.h>
-#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -129,8 +128,15 @@ class Download {
   void openPart() {
     part_ = Descriptor(open(part_path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, kFileMode));
     if (!part_) failPart();
-    if (flock(part_.get(), LOCK_EX | LOCK_NB) != 0)
-      fail("{}: another process is fetching it", file_.string());
+    bool is_ours = false;
+    try {
+      is_ours = lockAlone(part_.get(), part_path_.string());
+    } catch (const Error&) {
+      std::error_code ignored;
+      if (bytesThere() == 0) fs::remove(part_path_, ignored);
+      throw;
+    }
+    if (!is_ours) fail("{}: another process is fetching it", file_.string());
   }
 
   uint64_t bytesThere() const {
@@ -168,7 +174,9 @@ class Download {
   }
 
   void append(std::span<const std::byte> bytes, uint64_t offset) {
-    writeAllAt(part_.get(), bytes, offset, part_path_.string());
+    writeAllAt(part_.get(), bytes, offset,
+               fmt::format("{}: write failed; once there is room, the same command goes on",
+                           part_path_.string()));
     if (options_.has_checksum) sha_.add(bytes);
     progress_.add(bytes.size());
   }

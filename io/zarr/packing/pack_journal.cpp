@@ -44,9 +44,7 @@ void PackJournal::add(const PackRecord& record) {
 }
 
 void writePart(int file, std::span<const std::byte> bytes, const std::filesystem::path& path) {
-  writeAll(file, bytes,
-           fmt::format("{}: write failed; make room and give the same command again to go on",
-                       path.string()));
+  writeAll(file, bytes, fmt::format("{}: write failed", path.string()));
 }
 
 }  // namespace sluice

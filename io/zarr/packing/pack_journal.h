@@ -36,7 +36,7 @@ class PackJournal {
   const Descriptor file_;
 };
 
-// writeAll() to a part of an unfinished pack: its error says that the same command goes on.
+// writeAll() to a part of an unfinished pack, whose error names `path`.
 void writePart(int file, std::span<const std::byte> bytes, const std::filesystem::path& path);
 
 }  // namespace sluice

@@ -2,7 +2,6 @@
 
 #include <fcntl.h>
 #include <linux/fs.h>
-#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -58,6 +57,19 @@ void syncFolder(const fs::path& folder, bool whole_file_system) {
   }
   if (syncfs(opened.get()) != 0)
     failErrno(fmt::format("{}: cannot be brought to the disk", folder.string()), errno);
+}
+
+// Does a part of the work. If the system fails, all that was done stays, and the message says how
+// to go on.
+template <class Part>
+auto resumably(const Part& part) {
+  try {
+    return part();
+  } catch (const Error& error) {
+    if (error.kind() != Error::Kind::kSystem) throw;
+    failSystem("{}; make room if the disk is full, and give the same command again to go on",
+               error.what());
+  }
 }
 
 // Sums of a count of each array.
@@ -118,12 +130,19 @@ void ZarrPackFolder::lock() {
     Descriptor file(open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666));
     if (!file && errno == ENOENT) continue;
     if (!file) failErrno(fmt::format("{}: cannot be written", path), errno);
-    if (flock(file.get(), LOCK_EX | LOCK_NB) != 0) {
-      const int reason = errno;
-      if (reason != EWOULDBLOCK) failErrno(fmt::format("{}: cannot be locked", path), reason);
+    bool is_ours = false;
+    try {
+      is_ours = lockAlone(file.get(), path);
+    } catch (const Error&) {
+      // Nothing was packed to a folder that cannot be locked, and nothing will be.
+      std::error_code ignored;
+      fs::remove(path, ignored);
+      fs::remove(folder_, ignored);  // unless something is in it
+      throw;
+    }
+    if (!is_ours)
       failRequest("{}: another sluice is packing to it; wait for it or choose another name",
                   output_.string());
-    }
     struct stat opened = {}, named = {};
     if (fstat(file.get(), &opened) == 0 && stat(path.c_str(), &named) == 0 &&
         opened.st_ino == named.st_ino) {
@@ -295,6 +314,10 @@ void ZarrPackFolder::writeIndices(size_t array_number) {
 }
 
 void ZarrPackFolder::write(int64_t chunk, std::span<const std::byte> stored, int thread) {
+  resumably([&] { store(chunk, stored, thread); });
+}
+
+void ZarrPackFolder::store(int64_t chunk, std::span<const std::byte> stored, int thread) {
   PackRecord record{.chunk = static_cast<uint64_t>(chunk), .bytes = stored.size()};
   if (!stored.empty() && hasShards()) {
     record.checksum = zarrChecksum(stored);
@@ -326,6 +349,12 @@ void ZarrPackFolder::write(int64_t chunk, std::span<const std::byte> stored, int
 
 fs::path ZarrPackFolder::complete(const std::string& group_text, const std::string& image_text,
                                   const std::vector<std::string>& array_texts) {
+  resumably([&] { describe(group_text, image_text, array_texts); });
+  return store_;
+}
+
+void ZarrPackFolder::describe(const std::string& group_text, const std::string& image_text,
+                              const std::vector<std::string>& array_texts) {
   const auto write = [](const fs::path& path, const std::string& text) {
     AtomicFile file(path);
     file.write(text);
@@ -348,7 +377,6 @@ fs::path ZarrPackFolder::complete(const std::string& group_text, const std::stri
     const auto end = static_cast<size_t>(first_chunks_[i + 1]);
     writeZarrChecksums(folder, array_texts[i], std::span(chunks_).subspan(first, end - first));
   }
-  return store_;
 }
 
 void ZarrPackFolder::discard() {
@@ -357,6 +385,10 @@ void ZarrPackFolder::discard() {
 }
 
 void ZarrPackFolder::finish(const FinishOptions& options) {
+  resumably([&] { putInPlace(options); });
+}
+
+void ZarrPackFolder::putInPlace(const FinishOptions& options) {
   if (options.sync) syncFolder(folder_, true);
   requireFreeName(output_, options.replace);
   if (fs::exists(output_)) {

@@ -65,7 +65,8 @@ class ZarrPackFolder {
   bool isDone(int64_t chunk) const { return done_[static_cast<size_t>(chunk)]; }
 
   // Takes the stored bytes of a chunk; none for a chunk that is all fill value. Each thread gives a
-  // number of its own. Throws Error (a full disk too).
+  // number of its own. Throws Error; if the system failed, as on a full disk, it says how to go on.
+  // So do the next two.
   void write(int64_t chunk, std::span<const std::byte> stored, int thread);
 
   // With the metadata in place the store can be opened, to be verified. Requires: all chunks done.
@@ -96,9 +97,14 @@ class ZarrPackFolder {
   bool hasShards() const { return arrays_.front().array.shards.has_value(); }
   // The number of a chunk's shard among those of all arrays.
   size_t shardOf(int64_t chunk) const;
+  void store(int64_t chunk, std::span<const std::byte> stored, int thread);
   void append(int64_t chunk, std::span<const std::byte> stored, uint64_t offset);
   // Puts the index of each shard of an array behind its chunks.
   void writeIndices(size_t array);
+  // Writes all metadata.
+  void describe(const std::string& group_text, const std::string& image_text,
+                const std::vector<std::string>& array_texts);
+  void putInPlace(const FinishOptions& options);
 
   const std::filesystem::path output_, folder_, store_;
   const std::vector<PackedArray> arrays_;

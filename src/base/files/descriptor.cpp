@@ -1,5 +1,6 @@
 #include "src/base/files/descriptor.h"
 
+#include <sys/file.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -40,6 +41,18 @@ void writeAllAt(int descriptor, std::span<const std::byte> bytes, uint64_t offse
   writeWhole(bytes, what, [descriptor, end](std::span<const std::byte> left) {
     return pwrite(descriptor, left.data(), left.size(), static_cast<off_t>(end - left.size()));
   });
+}
+
+bool lockAlone(int descriptor, const std::string& path) {
+  while (flock(descriptor, LOCK_EX | LOCK_NB) != 0) {
+    if (errno == EWOULDBLOCK) return false;
+    if (errno != EINTR)
+      failErrno(fmt::format("{}: cannot be locked against other processes, as it has to be; choose "
+                            "a folder on another file system",
+                            path),
+                errno);
+  }
+  return true;
 }
 
 bool readAll(int descriptor, std::span<std::byte> out) {

@@ -37,5 +37,8 @@ void writeAllAt(int descriptor, std::span<const std::byte> bytes, uint64_t offse
                 const std::string& what);
 // Fills `out` from the file's position on. False when it ends before, or cannot be read.
 bool readAll(int descriptor, std::span<std::byte> out);
+// Takes the file for this process alone, until it is closed. False: another process has it. Throws
+// Error, "<path>: cannot be locked ...": the file system has no locks.
+bool lockAlone(int descriptor, const std::string& path);
 
 }  // namespace sluice
