@@ -104,6 +104,29 @@ TEST_F(Outputs, ofBenchesAreNeitherWhatTheyReadNorWhatIsNoReport) {
           "notes.txt: exists and is not a report of sluice; give another name");
 }
 
+TEST_F(Outputs, withoutAPlaceAreRefusedBeforeTheVolumeIsRead) {
+  fs::copy_file(program_.folder / "w.nrrd", program_.folder / "new.nrrd");
+  before_ = filesOf(program_.folder.path());
+  const std::string letters(252, 'a'), render = "render new.nrrd --size 16 ";
+  const auto refusesUnread = [&](const std::string& line, const std::string& said) {
+    refuses(line, said);
+    // Its index would be kept.
+    const auto after = filesOf(program_.folder.path());
+    EXPECT_EQ(after.size(), before_.size()) << line;
+  };
+  refusesUnread(render + "-o " + letters + ".png", "cannot be written: File name too long");
+  refusesUnread(render + "-o a.png --report " + letters + ".json", "File name too long");
+  refusesUnread(render + "-o a.png --trace " + letters + ".txt", "File name too long");
+  refusesUnread(render + "-o a.png --occlusion map --debug-view --report " + letters + ".html",
+                "File name too long");
+  refusesUnread(render + "--frames 20 -o " + letters.substr(2) + ".png", "File name too long");
+  refusesUnread("surface new.nrrd --iso 90 -o " + letters + ".stl", "File name too long");
+  refusesUnread(render + "-o nowhere/a.png", "nowhere/a.png: cannot be written: No such file");
+  refusesUnread(render + "-o a.png --report w.nrrd/r.json", "cannot be written: Not a directory");
+  // The longest name that fits.
+  made(render + "-o " + letters.substr(1) + ".png");
+}
+
 TEST_F(Outputs, areNeverOneAnother) {
   const std::string render = "render w.nrrd --size 16 -o a.png ";
   refuses(render + "--report a.png", "is the same file as -o a.png");

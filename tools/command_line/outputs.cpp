@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <map>
 #include <optional>
 
@@ -65,6 +67,17 @@ std::optional<Target> targetOf(const fs::path& given) {
   const auto folder = statusOf(parentOf(path));
   if (!folder) return std::nullopt;
   return Target{folder->st_dev, folder->st_ino, path.filename().string()};
+}
+
+// Throws Error if no file can get this name, because it is too long or its folder is missing or
+// closed. Files are written beside their names first, so that their folder counts even if they
+// exist.
+void requirePlace(const std::string& what, const fs::path& given) {
+  struct stat status {};
+  const auto refuse = [&](int reason) { failErrno(what + " cannot be written", reason); };
+  if (stat(given.c_str(), &status) != 0 && errno != ENOENT) refuse(errno);
+  const fs::path path = followed(given);
+  if (access(parentOf(path).c_str(), W_OK | X_OK) != 0) refuse(errno);
 }
 
 bool sameInode(const struct stat& a, const struct stat& b) {
@@ -184,6 +197,7 @@ void Outputs::checkNames(const std::vector<std::string>& more_read) const {
              other->second->path.string());
     }
     inputs.require(what, output.path, output.is_folder);
+    if (!output.is_folder) requirePlace(what, output.path);
   }
 }
 

@@ -33,8 +33,9 @@ class Outputs {
   // A folder that it is going to write, whose old contents the writer checks itself.
   void writesFolder(const std::string& option, const std::filesystem::path& path);
 
-  // Throws Error, in one line, for the first output that is an input or another output; does not
-  // check existing files. The same while not all inputs are known yet.
+  // Throws Error, in one line, for the first output that is an input or another output, or whose
+  // name is too long or in a folder that is missing or closed; does not check existing files. The
+  // same while not all inputs are known yet.
   void checkNames() const { checkNames({}); }
   // The same, and for the first that would replace a file of another kind. `more_read`: files that
   // are known to be read only now, such as those that a volume's header names.
