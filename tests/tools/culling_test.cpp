@@ -69,6 +69,16 @@ TEST_F(CullingCommand, prepareMakesFunctionsOnce) {
 }
 
 // The plan of a step has the blocks that its picture reads.
+TEST_F(CullingCommand, functionsThatCannotBeKeptAreAnError) {
+  std::ofstream(program_.folder / "plain") << "no folder";
+  const std::string prepare = std::string("prepare -q mix_%03d.nrrd ") + kLook;
+  const CommandResult lost = program_.run(prepare + " --index-dir plain/x");
+  EXPECT_EQ(lost.status, 1);
+  EXPECT_TRUE(isOneLine(lost.output)) << lost.output;
+  EXPECT_THAT(lost.output, HasSubstr("computed, but not kept: "));
+  EXPECT_THAT(lost.output, HasSubstr("plain/x"));
+}
+
 TEST_F(CullingCommand, isPlannedOncePrepared) {
   const auto plan = [](const std::string& more) {
     return std::string("plan mix_%03d.nrrd ") + kLook + " " + kPicture + " --time 3 " + more;

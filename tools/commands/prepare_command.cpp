@@ -9,6 +9,7 @@
 #include "src/base/error.h"
 #include "src/base/values/bytes.h"
 #include "tools/command_line/console.h"
+#include "tools/command_line/environment.h"
 #include "tools/commands/commands.h"
 #include "tools/options/shared_options.h"
 #include "tools/outputs/report.h"
@@ -59,6 +60,21 @@ nlohmann::json reportOf(const SeriesFunctions& functions, const CLI::App& app) {
           {"path", functions.path.string()}};
 }
 
+void print(const SeriesFunctions& functions, double difference) {
+  const KeptSeries& kept = *functions.kept;
+  const int64_t nonempty = std::accumulate(kept.nonempty.begin(), kept.nonempty.end(), int64_t{0});
+  say("{} time steps of {} blocks, {} not empty a step; {} functions for {} spans, {}, {}\n",
+      kept.opacity.steps, kept.opacity.blockCount(), nonempty / kept.opacity.steps,
+      kept.opacity.functions.size(), kept.opacity.spans.size(), formatBytes(functions.bytes),
+      functions.state);
+  say("{:.1f} % of the blocks stay as they were from step to step (difference {})\n",
+      100 * kept.report.coherentShare(), difference);
+  say("made in {:.2f} s of reading, {:.2f} of fusion, {:.2f} of functions, {:.2f} of the tree\n",
+      kept.report.read_seconds, kept.report.fusion_seconds, kept.report.functions_seconds,
+      kept.report.tree_seconds);
+  if (!functions.path.empty()) say("{}\n", functions.path.string());
+}
+
 int run(PrepareArguments& arguments, const CLI::App& app) {
   arguments.look.whole_series = true;
   checkBasis(arguments.culling);
@@ -71,23 +87,13 @@ int run(PrepareArguments& arguments, const CLI::App& app) {
     if (!arguments.resources.quiet) printWarning(warning);
   const SeriesFunctions functions =
       openFunctions(volume, look.transfer, arguments.culling, arguments.resources, pool);
-  if (arguments.json) {
+  if (arguments.json)
     sayJson(reportOf(functions, app));
-    return 0;
-  }
-  if (arguments.resources.quiet) return 0;
-  const KeptSeries& kept = *functions.kept;
-  const int64_t nonempty = std::accumulate(kept.nonempty.begin(), kept.nonempty.end(), int64_t{0});
-  say("{} time steps of {} blocks, {} not empty a step; {} functions for {} spans, {}, {}\n",
-      kept.opacity.steps, kept.opacity.blockCount(), nonempty / kept.opacity.steps,
-      kept.opacity.functions.size(), kept.opacity.spans.size(), formatBytes(functions.bytes),
-      functions.state);
-  say("{:.1f} % of the blocks stay as they were from step to step (difference {})\n",
-      100 * kept.report.coherentShare(), arguments.culling.difference);
-  say("made in {:.2f} s of reading, {:.2f} of fusion, {:.2f} of functions, {:.2f} of the tree\n",
-      kept.report.read_seconds, kept.report.fusion_seconds, kept.report.functions_seconds,
-      kept.report.tree_seconds);
-  if (!functions.path.empty()) say("{}\n", functions.path.string());
+  else if (!arguments.resources.quiet)
+    print(functions, arguments.culling.difference);
+  // A later picture would have to compute them again, and a script would not know.
+  if (functions.path.empty() && !indexWish(arguments.resources.index_dir).disabled)
+    failSystem("the functions were computed, but not kept: {}", functions.note);
   return 0;
 }
 
