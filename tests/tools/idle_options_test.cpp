@@ -74,6 +74,27 @@ TEST_F(IdleOptions, areAWarningEachAndChangeNoPicture) {
   }
 }
 
+TEST_F(IdleOptions, aboutLevelsAreWarningsIfOneLevelIsDrawn) {
+  const std::string why = " changes nothing in a picture from level 0 alone";
+  for (const std::string option : {"--pixel-error 3", "--max-bytes 1M", "--keep-thin"}) {
+    const std::string name = option.substr(0, option.find(' '));
+    EXPECT_THAT(said(option), HasSubstr(name + why));
+    EXPECT_THAT(program_.run(std::string("plan ") + kSmall + " --size 32 " + option).output,
+                HasSubstr(name + why));
+    EXPECT_THAT(said(option, "synth:shells,dims=160x140x120,levels=4"),
+                Not(HasSubstr("changes nothing")));
+  }
+  EXPECT_THAT(program_.run(std::string("plan ") + kSmall + " --size 32 --time-limit 9").output,
+              HasSubstr("--time-limit changes nothing in the plan"));
+  const CommandResult bench =
+      program_.run(std::string("bench render ") + kSmall + " --frames 1 --time-limit 9");
+  EXPECT_EQ(bench.status, 2);
+  EXPECT_THAT(bench.output, HasSubstr("has no option --time-limit"));
+  // Without a level for labels, they are drawn from level 0.
+  EXPECT_THAT(said("--keep-thin --labels --levels always", "synth:parts,dims=48x40x36"),
+              testing::AnyOf(HasSubstr("--keep-thin" + why), Not(HasSubstr("warning"))));
+}
+
 TEST_F(IdleOptions, areWarningsOfPlansToo) {
   const auto planned = [&](const std::string& more) {
     return program_.run(std::string("plan ") + kSmall + " --threshold 40 " + more).output;
@@ -81,6 +102,21 @@ TEST_F(IdleOptions, areWarningsOfPlansToo) {
   EXPECT_THAT(planned("--fov 50"), HasSubstr("--fov changes nothing with an orthographic camera"));
   EXPECT_THAT(planned("--shadows --light 1,2 --projection perspective --fov 50"),
               Not(HasSubstr("changes nothing")));
+}
+
+TEST_F(IdleOptions, areWarningsOfSimulationsToo) {
+  const auto simulated = [&](const std::string& more) {
+    return program_
+        .run(std::string("simulate ") + kSmall + " --frames 2 --sizes 64 --policies lru " + more)
+        .output;
+  };
+  const std::string all = simulated("--fov 50 --keep-thin --seed 3 --page 8x8x8,16x16x16");
+  EXPECT_THAT(all, HasSubstr("--fov changes nothing with an orthographic camera"));
+  EXPECT_THAT(all, HasSubstr("--keep-thin changes nothing in a picture from level 0 alone"));
+  EXPECT_EQ(all.find("--fov changes"), all.rfind("--fov changes"));
+  EXPECT_THAT(all, Not(HasSubstr("--seed")));
+  EXPECT_THAT(simulated("-q --fov 50"), Not(HasSubstr("changes nothing")));
+  EXPECT_THAT(simulated("--fov 50 --projection perspective"), Not(HasSubstr("warning")));
 }
 
 TEST_F(IdleOptions, ofASavedViewAreNoWarning) {

@@ -36,6 +36,9 @@ void warnOfIdleOptions(const Arguments& arguments, const std::set<std::string>& 
   facts.shows_labels = scene.look.transfer.labels;
   facts.layers = layers.size();
   facts.time_steps = storedLayout(*scene.volume.source).time_steps;
+  facts.levels = 1;
+  for (const Layer* each : layers)
+    facts.levels = std::max(facts.levels, each->volume.step().coarser.size() + 1);
   for (const std::string& line : idleOptions(given, facts))
     printWarning(fmt::format("{}: {}", scene.volume.name, line));
 }

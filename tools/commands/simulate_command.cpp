@@ -2,6 +2,8 @@
 // make, through policies and cache sizes.
 #include <algorithm>
 #include <memory>
+#include <set>
+#include <string>
 #include <utility>
 
 #include "cache/model/page_geometry.h"
@@ -9,6 +11,7 @@
 #include "src/base/values/bytes.h"
 #include "tools/command_line/console.h"
 #include "tools/commands/commands.h"
+#include "tools/options/idle_options.h"
 #include "tools/options/shared_options.h"
 #include "tools/outputs/simulation_output.h"
 #include "tools/pages/report_file.h"
@@ -38,8 +41,10 @@ int run(const SimulateArguments& arguments) {
     writePage(arguments.report_file, runs);
   else if (!arguments.report_file.empty())
     writeReport(arguments.report_file, report);
+  std::set<std::string> said;
   for (const SimulatedRun& run : runs)
-    for (const std::string& line : run.warnings) printWarning(line);
+    for (const std::string& line : run.warnings)
+      if (!arguments.turn.resources.quiet && said.insert(line).second) printWarning(line);
   const bool prints_csv = arguments.csv_file == "-";
   if (!arguments.csv_file.empty()) {
     const std::string csv = simulationCsv(runs);
@@ -215,7 +220,9 @@ Command addSimulate(CLI::App& program) {
   addJsonOption(output, arguments->json);
   app->parse_complete_callback(
       [app, arguments, of_volumes] { checkArguments(*app, *arguments, of_volumes); });
-  return [arguments] {
+  return [arguments, app] {
+    arguments->turn.given = givenOptions(*app);
+    arguments->turn.given.erase("--seed");  // --policies may have the random policy
     if (arguments->turn.resources.pages)
       arguments->turn.fixed_pages = static_cast<uint64_t>(*arguments->turn.resources.pages);
     return run(*arguments);

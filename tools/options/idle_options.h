@@ -25,12 +25,14 @@ struct PictureFacts {
   const FrameOptions& frame;
   const CullingArguments& culling;
   const MachineOptions& machine;
+  bool is_drawn = true;  // not only planned
   bool is_film = true;
   bool is_lit = true;
   bool integrates = true;  // Scene::integrates()
   bool shows_labels = false;
   size_t layers = 2;  // channels, and the volume of --over
   int64_t time_steps = 2;
+  size_t levels = 2;  // of resolution, that pictures are drawn from
 };
 
 // "--fov changes nothing with an orthographic camera; ...", a line for each idle option.

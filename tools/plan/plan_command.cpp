@@ -13,7 +13,6 @@
 #include "src/base/values/bytes.h"
 #include "src/library/drawing/device_choice.h"
 #include "src/library/drawing/planned_channels.h"
-#include "src/library/opening/thick_source.h"
 #include "tools/command_line/console.h"
 #include "tools/command_line/interrupt.h"
 #include "tools/command_line/progress_line.h"
@@ -119,18 +118,6 @@ int printPassAlone(const PlanArguments& arguments, const PassForecast& pass, con
   return kDone;
 }
 
-// A plan does not light its picture, so that it knows nothing of idle lights.
-void warnOfIdleOptions(const PlanArguments& arguments, const OpenedPicture& opened,
-                       const CLI::App& app) {
-  const IndexedVolume& first = opened.volumes.front();
-  PictureFacts facts{arguments.look, arguments.frame, arguments.culling, arguments.resources};
-  facts.shows_labels = opened.transfers.front().labels;
-  facts.layers = opened.volumes.size();
-  facts.time_steps = storedLayout(*first.source).time_steps;
-  for (const std::string& line : idleOptions(givenOptions(app), facts))
-    printWarning(fmt::format("{}: {}", first.name, line));
-}
-
 // The growing boxes of each channel; empty if none are asked for.
 std::vector<PlannedBoxes> boxesOf(const std::vector<PlannedChannel>& channels,
                                   ResourceArguments resources, WorkerPool& pool) {
@@ -174,7 +161,10 @@ int run(const PlanArguments& asked, const CLI::App& app) {
   if (must_read && !pass) opened = openPlanned(arguments, FinestLevel::kRead, outputs, pool);
   const std::vector<LayerLook> looks = opened.looks();
   const IndexedVolume& first = opened.volumes.front();
-  if (!arguments.resources.quiet) warnOfIdleOptions(arguments, opened, app);
+  if (!arguments.resources.quiet)
+    for (const std::string& line : idleOptions(givenOptions(app), arguments.look, arguments.frame,
+                                               arguments.culling, arguments.resources, opened))
+      printWarning(line);
   arguments.frame.camera = opened.cameras.front();
   if (looks.size() > 1 && arguments.culling.culling != Culling::kNone)
     fail("{}: --culling looks at one channel, {}", first.name,

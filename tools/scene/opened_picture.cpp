@@ -1,7 +1,12 @@
 #include "tools/scene/opened_picture.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <utility>
+
+#include "src/library/opening/thick_source.h"
+#include "tools/options/idle_options.h"
 
 namespace sluice {
 
@@ -47,6 +52,23 @@ bool mustReadFinest(const OpenedPicture& picture, const FrameOptions& frame, Wor
   return std::ranges::any_of(picture.looks(), [&](const LayerLook& look) {
     return mustReadFinest(*look.volume, *look.transfer, first, frame, picture.cameras, pool);
   });
+}
+
+std::vector<std::string> idleOptions(const std::set<std::string>& given, const LookArguments& look,
+                                     const FrameOptions& frame, const CullingArguments& culling,
+                                     const MachineOptions& machine, const OpenedPicture& opened) {
+  const IndexedVolume& first = opened.volumes.front();
+  PictureFacts facts{look, frame, culling, machine};
+  facts.is_drawn = false;
+  facts.shows_labels = opened.transfers.front().labels;
+  facts.layers = opened.volumes.size();
+  facts.time_steps = storedLayout(*first.source).time_steps;
+  facts.levels = 1;
+  for (const IndexedVolume& volume : opened.volumes)
+    facts.levels = std::max(facts.levels, volume.step().coarser.size() + 1);
+  std::vector<std::string> lines = idleOptions(given, facts);
+  for (std::string& line : lines) line = fmt::format("{}: {}", first.name, line);
+  return lines;
 }
 
 }  // namespace sluice

@@ -1,6 +1,8 @@
 // The channels of a picture that is not drawn, for the commands that plan pictures.
 #pragma once
 
+#include <set>
+#include <string>
 #include <vector>
 
 #include "src/library/drawing/channel_shares.h"
@@ -35,5 +37,11 @@ OpenedPicture openPicture(PictureRequest request, FinestLevel finest, const Outp
                           WorkerPool& pool);
 // Whether the pictures have to wait for the index of the finest level of a channel.
 bool mustReadFinest(const OpenedPicture& picture, const FrameOptions& frame, WorkerPool& pool);
+
+// The options that were given for nothing, a line each with the volume's name (idle_options.h).
+// Nothing is drawn, so that nothing is known of idle lights.
+std::vector<std::string> idleOptions(const std::set<std::string>& given, const LookArguments& look,
+                                     const FrameOptions& frame, const CullingArguments& culling,
+                                     const MachineOptions& machine, const OpenedPicture& opened);
 
 }  // namespace sluice

@@ -51,6 +51,11 @@ class TurnedChannels {
 
   size_t count() const { return shares_.size(); }
   const IndexedVolume& volume(size_t channel) const { return picture_.volumes[channel]; }
+  // A line for each option that was given for nothing.
+  std::vector<std::string> idle() const {
+    return idleOptions(arguments_.given, arguments_.look, arguments_.frame, {},
+                       arguments_.resources, picture_);
+  }
 
   // All sizes below are in pages that the user asks for. Caches of blended channels have room for
   // as many blocks each, so that some get fewer.
@@ -205,6 +210,9 @@ class Turn final : public ReplaySource {
     return channels_->count() > 1 ? &volume_.channel : nullptr;
   }
   std::vector<std::string> files() const override { return volume_.source->files(); }
+  std::vector<std::string> warnings() const override {
+    return channel_ == 0 ? channels_->idle() : std::vector<std::string>();
+  }
   uint64_t defaultPages() const override { return channels_->defaultPages(channel_); }
   uint64_t leastPages() const override { return channels_->leastPages(channel_); }
   uint64_t cachePages(uint64_t asked) const override {

@@ -4,6 +4,8 @@
 
 #include <cstdint>
 #include <memory>
+#include <set>
+#include <string>
 #include <vector>
 
 #include "src/library/requests.h"
@@ -25,6 +27,7 @@ struct TurnArguments {
   bool is_plan_fixed =
       false;  // planned for `fixed_pages` (0: the default) whatever the cache's size
   uint64_t fixed_pages = 0;
+  std::set<std::string> given = {};  // options on the command line, to tell of idle ones
 };
 
 // `frames` views of a full turn, a source for each channel that they show; the volume is opened and
