@@ -60,7 +60,7 @@ void WTinyLfuPolicy::count(uint32_t index) {
   const uint8_t times = timesOf(index);
   counts_[index] = {halvings_, std::min<uint8_t>(kMostTimes, times + 1)};
   if (++counted_ < sample_) return;
-  counted_ = 0;
+  counted_ = sample_ / 2;
   ++halvings_;
 }
 

@@ -36,10 +36,10 @@ class SlruPolicy final : public SegmentedPolicy {
 
 // W-TinyLFU (Einziger, Friedman and Manes 2017): a window, an LRU list of a hundredth of the pages,
 // takes new entries. An entry that falls out of it enters the main part, an SLRU, only if it was
-// requested more often than the entry that would be evicted for it. Counts stop at 15 and halve
-// after every ten requests a page of the cache. The paper keeps them in a sketch to save memory;
-// here they are exact, a few bytes a key. The new entry itself always comes in, since the renderer
-// needs it.
+// requested more often than the entry that would be evicted for it. Counts stop at 15. Once ten
+// requests a page of the cache are counted, all counts halve, that of the requests among them. The
+// paper keeps them in a sketch to save memory; here they are exact, a few bytes a key. The new
+// entry itself always comes in, since the renderer needs it.
 class WTinyLfuPolicy final : public SegmentedPolicy {
  public:
   explicit WTinyLfuPolicy(uint64_t capacity);
@@ -57,7 +57,7 @@ class WTinyLfuPolicy final : public SegmentedPolicy {
   void toMain(uint32_t index);
 
   const uint64_t window_pages_, sample_;
-  uint64_t halvings_ = 0, counted_ = 0;  // since the last halving
+  uint64_t halvings_ = 0, counted_ = 0;  // requests
   std::vector<Count> counts_;            // by node
 };
 

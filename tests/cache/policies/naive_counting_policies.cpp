@@ -94,11 +94,11 @@ class NaiveWTinyLfu final : public NaiveSlru {
         share_(std::max<uint64_t>(1, capacity / 100)) {}
 
  private:
-  // All counts halve at once, as the paper has it.
+  // All counts halve at once, that of the requests too, as the paper has it.
   void count(Key key) {
     times_[key] = std::min(15, times_[key] + 1);
     if (++counted_ < 10 * capacity_) return;
-    counted_ = 0;
+    counted_ /= 2;
     for (auto& [k, times] : times_) times /= 2;
   }
   void hit(Key key) override {
