@@ -18,6 +18,18 @@ std::string nameOf(const py::dtype& type) {
   return py::str(py::handle(type)).cast<std::string>();
 }
 
+// The conversion of an array of this type to numbers that can be drawn.
+std::string conversionOf(const py::dtype& type) {
+  if (type.has_fields()) {
+    const auto names = type.attr("names").cast<std::vector<std::string>>();
+    return fmt::format("give one field, as array['{}']", names.front());
+  }
+  if (type.kind() == 'c') return "give one part of them, as numpy.abs(array)";
+  if (type.kind() == 'M' || type.kind() == 'm')
+    return "convert them, as with (array - array.min()) / numpy.timedelta64(1, 's')";
+  return "convert them, as with array.astype('float32')";
+}
+
 // "u8" for NumPy's uint8. Truth values are bytes.
 std::string typeOf(const py::dtype& type) {
   constexpr std::string_view kKinds = "buif";
@@ -28,9 +40,8 @@ std::string typeOf(const py::dtype& type) {
   if (!is_number || bytes > 8 || (is_float && bytes < 4) || (!is_float && bytes > 4))
     throw py::type_error(
         fmt::format("voxels are whole numbers of 8, 16 or 32 bits or floats of 32 or 64 bits, "
-                    "found {}; convert "
-                    "them, as with array.astype('float32')",
-                    nameOf(type)));
+                    "found {}; {}",
+                    nameOf(type), conversionOf(type)));
   if (!type.attr("isnative").cast<bool>())
     throw py::type_error(
         fmt::format("voxels are in this machine's byte order, found {}; convert them with "

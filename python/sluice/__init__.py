@@ -249,10 +249,11 @@ def from_array(array, *, spacing=(1, 1, 1), origin=(0, 0, 0), unit='', name='arr
     if _numpy.ma.is_masked(array):
         raise ValueError('array: has masked voxels, which pictures would show; give array.filled(value), with a value '
                          'that does not show, or numpy.nan')
-    if isinstance(getattr(array, 'data', None), _numpy.ndarray):
+    # NumPy's own `data` is memory, which some types of voxel refuse with a message of their own.
+    if not isinstance(array, _numpy.ndarray) and isinstance(getattr(array, 'data', None), _numpy.ndarray):
         array = array.data
     if isinstance(array, _numpy.ndarray):
-        return Volume(_sluice.open_array(array, place, options, progress))
+        return Volume(_sluice.open_array(_numpy.asarray(array), place, options, progress))
     if not all(hasattr(array, name) for name in ('shape', 'dtype', '__getitem__')):
         array = _numpy.asarray(array)
         return Volume(_sluice.open_array(array, place, options, progress))

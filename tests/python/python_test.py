@@ -120,6 +120,21 @@ class Pictures(unittest.TestCase):
             with self.subTest(words):
                 self.assertSamePicture(volume.render(**options), self.command(PHANTOM, *words))
 
+    def test_of_volumes_over_others_have_warnings_about_their_places(self):
+        with tempfile.TemporaryDirectory() as folder:
+            def nrrd(name, unit, origin):
+                path = os.path.join(folder, name)
+                units = f'space units: "{unit}" "{unit}" "{unit}"\n' if unit else ''
+                with open(path, 'wb') as file:
+                    file.write((f'NRRD0004\ntype: uint8\ndimension: 3\nspace dimension: 3\nsizes: 15 11 8\n'
+                                f'space directions: (1,0,0) (0,1,0) (0,0,1)\nspace origin: ({origin},0,0)\n{units}'
+                                'encoding: raw\n\n').encode() + ball(size=8).tobytes())
+                return path
+            scan, bare, far = nrrd('scan.nrrd', 'um', 0), nrrd('bare.nrrd', '', 2), nrrd('far.nrrd', 'um', 50)
+            self.assertRegex(' '.join(sluice.open(scan, over=bare).info['warnings']),
+                             'bare.nrrd has no unit of length, and scan.nrrd has the unit micrometer')
+            self.assertRegex(' '.join(sluice.open(scan, over=far).info['warnings']), 'far.nrrd: lies beside scan.nrrd')
+
     def test_of_a_volume_over_another_one_equal_those_of_the_command(self):
         shells = 'synth:shells,dims=64x48x56'
         volume = sluice.open('synth:phantom,dims=64x48x56', over=shells)
@@ -257,11 +272,24 @@ class Arrays(unittest.TestCase):
             (numpy.zeros((4, 4, 4), 'f2'), TypeError, 'float16'),
             (numpy.zeros((4, 4, 4), 'i8'), TypeError, 'int64'),
             (numpy.zeros((4, 4, 4), '>f4'), TypeError, 'byte order'),
-            (numpy.zeros((4, 4, 4), 'U3'), TypeError, '<U3')]:
+            (numpy.zeros((4, 4, 4), 'U3'), TypeError, '<U3'),
+            (numpy.zeros((4, 4, 4), 'c16'), TypeError, r'complex128; give .* numpy.abs\(array\)'),
+            (numpy.zeros((4, 4, 4), 'M8[s]'), TypeError, r'datetime64\[s\]; convert them, as with \(array - '),
+            (numpy.zeros((4, 4, 4), 'm8[ns]'), TypeError, r'timedelta64\[ns\]; convert'),
+            (numpy.zeros((4, 4, 4), 'O'), TypeError, 'found object; convert'),
+            (numpy.zeros((4, 4, 4), [('a', 'u1'), ('b', 'f4')]), TypeError, r"give one field, as array\['a'\]")]:
             with self.subTest(words), self.assertRaisesRegex(error, words):
                 sluice.from_array(array)
+        fields = numpy.zeros((4, 4, 4), [('a', 'u1'), ('b', 'f4')])
+        self.assertEqual(sluice.from_array(fields['b']).value_range, (0, 0))
         with self.assertRaisesRegex(sluice.Error, 'spacing'):
             sluice.from_array(ball(), spacing=(1, 0, 1))
+
+    def test_of_the_smallest_numbers_have_a_warning(self):
+        for values in (ball('f4') * numpy.float32(1e-42), -ball('f8') * 1e-42):
+            self.assertRegex(' '.join(sluice.from_array(values).info['warnings']), 'closer to 0 than 1.2e-38')
+        self.assertEqual(sluice.from_array(ball('f4') * numpy.float32(1e-5)).info['warnings'], [])
+        self.assertEqual(sluice.from_array(ball('f4') * 0).info['warnings'], [])
 
     def test_stay_while_the_volume_is_open(self):
         expected = self.picture(ball())
