@@ -191,6 +191,19 @@ TEST_F(LevelsCommand, aBenchComparesPixelErrorsWithTheTruth) {
               HasSubstr("has one level"));
 }
 
+// Slices lie half a voxel of the level apart, as in render. A voxel apart they give 0.976.
+TEST_F(LevelsCommand, aBenchDrawsLitLevelsAsRenderDoes) {
+  const json report = program_.json(
+      "bench levels synth:phantom,dims=192x192x192,levels=3 --size 112x112 --frames 1 --shade "
+      "--map plaster --range 16.2,230 --opacities "
+      "16.2:0,22.7:0.0114,37.6:0.0137,59:0.035,91:0.052,123.1:0.0754,155.2:0.101,187.2:0.142,"
+      "230:0.5");
+  const json& row = report["rows"][1];
+  EXPECT_EQ(row["pixel_error"], 1);
+  EXPECT_EQ(row["cut"]["levels"][0]["level"], 1);
+  EXPECT_GT(row["ssim"], 0.985);
+}
+
 TEST_F(LevelsCommand, theLevelsHaveNearlyTheSamePicture) {
   const auto drawn = [&](const std::string& more) {
     render(more);

@@ -20,27 +20,33 @@ using nlohmann::json;
 constexpr int kTruthPixels = 4;  // for one, along each axis
 constexpr double kPixelErrors[] = {0.5, 1, 2, 4};
 
-// The view's step is in voxels of the finest level that it shows.
-FrameOptions optionsOf(const BenchArguments& bench, const Scene& scene,
+struct LevelsArguments : BenchArguments {
+  bool has_step = false;  // the user set the distance between slices
+};
+
+// The distance between slices is the one that `render` chooses; --step counts in voxels of the
+// finest level that the picture shows.
+FrameOptions optionsOf(const LevelsArguments& bench, const Scene& scene,
                        const std::optional<CutOptions>& cut) {
   FrameOptions options = bench.frame;
   options.cut = cut;
-  if (!cut) return options;
   const TimeStep step = scene.volume.step();
+  if (!bench.has_step) options.step_vox = scene.chosenStep(step, options);
+  if (!cut || !bench.has_step) return options;
   const View view = resolve(options.camera, step.source->layout(), options.size, options.step_vox);
   options.step_vox *= spacingOfLevel(step, finestLevelShown(step, view, *cut));
   return options;
 }
 
-Picture truthOf(const BenchArguments& bench, Scene& scene) {
-  FrameOptions options = bench.frame;
+Picture truthOf(const LevelsArguments& bench, Scene& scene) {
+  FrameOptions options = optionsOf(bench, scene, std::nullopt);
   options.size = {options.size.width * kTruthPixels, options.size.height * kTruthPixels};
   options.step_vox /= 2;
   scene.session->setOptions(options);
   return averagedDown(scene.session->frame().picture, kTruthPixels);
 }
 
-json rowOf(const BenchArguments& bench, Scene& scene, const std::optional<CutOptions>& cut,
+json rowOf(const LevelsArguments& bench, Scene& scene, const std::optional<CutOptions>& cut,
            const Picture& truth) {
   FrameOptions options = optionsOf(bench, scene, cut);
   scene.session->setOptions(options);
@@ -71,8 +77,8 @@ json rowOf(const BenchArguments& bench, Scene& scene, const std::optional<CutOpt
 // with four pixels for one along each axis and half the distance between slices. `read_bytes`:
 // stored voxels of the blocks that a picture needs. `detail` and `truth_detail`: see PictureError.
 // Throws Error if the volume has one level.
-json benchLevels(const BenchArguments& bench) {
-  BenchArguments asked = bench;
+json benchLevels(const LevelsArguments& bench) {
+  LevelsArguments asked = bench;
   asked.frame.cut = CutOptions{};
   Scene scene = openScene(asked.volume, asked.look, asked.resources, asked.frame);
   if (scene.volume.step().coarser.empty())
@@ -104,17 +110,22 @@ void printLevels(const json& report) {
 }  // namespace
 
 Bench addLevelsBench(CLI::App& app) {
-  auto bench = std::make_shared<BenchArguments>();
+  auto bench = std::make_shared<LevelsArguments>();
   bench->frame = plainFrame();
   CLI::App* levels = app.add_subcommand(
       "levels",
       std::string("What coarser levels of resolution cost and save: their error against level 0 "
                   "with four samples a pixel along each axis, bytes, samples and seconds\n\n") +
           kPlainPicture +
+          "Without --step, slices are as far apart as render draws them: half of a voxel of each "
+          "level if --shade is given.\n\n"
           "  sluice bench levels synth:phantom,dims=512x512x512,levels=4 "
           "--size 256x256");
   addFrames(*levels, *bench, kFramesOfEachWay);
-  return {levels, [bench](const Show& show) { return show(benchLevels(*bench), printLevels); }};
+  return {levels, [bench, levels](const Show& show) {
+            bench->has_step = levels->count("--step") > 0;
+            return show(benchLevels(*bench), printLevels);
+          }};
 }
 
 }  // namespace sluice
