@@ -17,6 +17,7 @@
 #include "src/cpu/leap_grid.h"
 #include "src/cpu/packed_entries.h"
 #include "src/device/blue_noise.h"
+#include "src/device/rough_light.h"
 
 #if SLUICE_HAS_KERNELS
 HWY_BEFORE_NAMESPACE();

@@ -88,7 +88,9 @@ void setScale(const FrameSetup& setup, const BoxDraw& box, KernelBox& out) {
     const auto i = static_cast<size_t>(a), axis = static_cast<size_t>(box.texels.axes[i]);
     out.texel_scale[axis] = static_cast<float>(box.texels.scale[a]);
     out.texel_start[axis] = static_cast<float>(from[a] - std::floor(from[a]));
-    out.gradient[i] = asFloats(setup.camera_gradient[axis] * box.texels.scale[a]);
+    const Vec3d gradient = setup.camera_gradient[axis] * box.texels.scale[a];
+    out.gradient[i] = asFloats(gradient);
+    out.gradient_squares += static_cast<float>(dot(gradient, gradient));
   }
 }
 

@@ -1,11 +1,13 @@
 #include "src/cpu/kernel_frame.h"
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 #include "src/base/error.h"
 #include "src/cpu/floats.h"
 #include "src/device/blue_noise.h"
+#include "src/device/rough_light.h"
 
 namespace sluice {
 namespace {
@@ -127,6 +129,9 @@ void FrameTables::setLookUp(const LookUpTables& tables) {
     frame_.mean_scale = static_cast<float>(entries);
     frame_.mean_offset = static_cast<float>(-values.lo * entries);
     frame_.spread_scale = static_cast<float>(span > 0 ? 1 / span : 0);
+    // Of all floats it may be more than a float holds.
+    frame_.spread_unit =
+        static_cast<float>(std::min(span, double{std::numeric_limits<float>::max()}));
     frame_.expected_entries = expected->entries;
     frame_.expected_rows = expected->rows;
   }
@@ -168,6 +173,8 @@ void FrameTables::setLights(const FrameSetup& setup, const uint64_t* light_squar
     frame_.toward[i] = asFloats(light.toward * (light.strength * lighting.diffuse));
     frame_.halfway[i] = asFloats(normalized(light.toward + Vec3d{0, 0, 1}));
     frame_.specular[i] = static_cast<float>(light.strength * lighting.specular);
+    frame_.even_diffuse[i] = static_cast<float>(evenDiffuse(lighting, light));
+    frame_.even_specular[i] = static_cast<float>(evenSpecular(lighting, light));
   }
   frame_.ambient = static_cast<float>(lighting.ambient);
   frame_.flat = static_cast<float>(setup.flat);

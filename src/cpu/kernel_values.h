@@ -87,6 +87,9 @@ struct KernelFrame {
   bool lit = false, corrects = false;
   std::array<Float3, 2> toward{}, halfway{};  // `toward` times the light's strength and diffuse
   std::array<float, 2> specular{};
+  // evenDiffuse() and evenSpecular() of each light, and the device values of a spread_scale of 1.
+  std::array<float, 2> even_diffuse{}, even_specular{};
+  float spread_unit = 0;
   float ambient = 0, flat = 0, shininess = 0;
   int whole_shininess = 0;  // the same if it is a small whole number, else 0
   // FrameSetup::light: its texels, the last and the last but one along each axis, and strides in
@@ -127,6 +130,7 @@ struct KernelBox {
   bool has_margin = false;            // a texel more on every side
   // Device values a world unit, camera space, of a value more a texel along each texel axis.
   std::array<Float3, 3> gradient{};
+  float gradient_squares = 0;  // the sum of the squares of their lengths
   // Texel coordinates of the frame's light, along the volume's axes: texel coordinates along the
   // chunk's axes light_axes * light_scale + light_start.
   std::array<int, 3> light_axes{0, 1, 2};

@@ -18,19 +18,33 @@ HWY_INLINE V shine(const KernelFrame& frame, V x) {
 struct Gradient {
   V3 g;
   V unit, squared;
+  V rough;  // the square of the slopes in all directions, see rough_light.h; 0 without spreads
 };
-HWY_INLINE Gradient gradientOf(const KernelBox& box, V3 difference) {
+HWY_INLINE V squareOf(const V3& v) {
+  return hn::MulAdd(v.z, v.z, hn::MulAdd(v.y, v.y, hn::Mul(v.x, v.x)));
+}
+// kRough: of a texel with this spread.
+template <bool kRough = false>
+HWY_INLINE Gradient gradientOf(const KernelBox& box, V3 difference, V spread = hn::Zero(F())) {
   // Computed in units of the steepest axis, since squares of the values themselves may overflow.
-  const V unit = hn::Max(
+  V unit = hn::Max(
       hn::Max(hn::Abs(difference.x), hn::Max(hn::Abs(difference.y), hn::Abs(difference.z))),
       all(1e-30F));
+  if constexpr (kRough) unit = hn::Max(unit, spread);
   const V scale = hn::Div(all(1.0F), unit);
   difference = {hn::Mul(difference.x, scale), hn::Mul(difference.y, scale),
                 hn::Mul(difference.z, scale)};
   const auto& [a, b, c] = box.gradient;
   const V3 g{dot3({a[0], b[0], c[0]}, difference), dot3({a[1], b[1], c[1]}, difference),
              dot3({a[2], b[2], c[2]}, difference)};
-  return {g, unit, hn::MulAdd(g.z, g.z, hn::MulAdd(g.y, g.y, hn::Mul(g.x, g.x)))};
+  V rough = hn::Zero(F());
+  if constexpr (kRough) {
+    const V share = hn::Mul(spread, scale);
+    const V square = hn::Mul(all(static_cast<float>(kSpreadPart)), hn::Mul(share, share));
+    const V left = hn::NegMulAdd(all(static_cast<float>(kSlopePart)), squareOf(difference), square);
+    rough = hn::Mul(all(box.gradient_squares), hn::Max(left, rough));
+  }
+  return {g, unit, squareOf(g), rough};
 }
 
 // The shares of light that arrive at a sample, see LightVolume.
@@ -84,7 +98,9 @@ HWY_NOINLINE Arriving arrivingAt(const KernelFrame& frame, const KernelBox& box,
   return arrivingIn<true, true>(frame, cell);
 }
 
-// Applies lighting.h with this `flat` at a place in texels; `color` is premultiplied.
+// Applies lighting.h with this `flat` at a place in texels; `color` is premultiplied. kRough: the
+// gradient's `rough` may be above 0.
+template <bool kRough = false>
 HWY_INLINE Color shaded(const KernelFrame& frame, const KernelBox& box, const V3& at,
                         const Color& color, const Gradient& gradient, float flatness) {
   const bool all_arrives = frame.light == nullptr;
@@ -92,6 +108,7 @@ HWY_INLINE Color shaded(const KernelFrame& frame, const KernelBox& box, const V3
   const Arriving light = all_arrives ? Arriving{one, one} : arrivingAt(frame, box, at);
   const V to_unit = hn::Div(all(1.0F), hn::Sqrt(hn::Max(gradient.squared, all(1e-37F))));
   V diffuse = hn::Zero(F()), specular = hn::Zero(F());
+  V even_diffuse = hn::Zero(F()), even_specular = hn::Zero(F());
   for (size_t i = 0; i < frame.toward.size(); ++i) {
     const V facing = hn::Abs(dot3(frame.toward[i], gradient.g));
     const V mirrored = hn::Mul(to_unit, hn::Abs(dot3(frame.halfway[i], gradient.g)));
@@ -100,14 +117,25 @@ HWY_INLINE Color shaded(const KernelFrame& frame, const KernelBox& box, const V3
     const V strength = all(frame.specular[i]);
     specular = hn::MulAdd(all_arrives ? strength : hn::Mul(share, strength),
                           shine(frame, mirrored), specular);
+    if constexpr (kRough) {
+      even_diffuse = hn::MulAdd(share, all(frame.even_diffuse[i]), even_diffuse);
+      even_specular = hn::MulAdd(share, all(frame.even_specular[i]), even_specular);
+    }
   }
-  const V ambient = all(frame.ambient);
-  const V bright =
-      hn::MulAdd(to_unit, diffuse, all_arrives ? ambient : hn::Mul(light.open, ambient));
+  V ambient = all(frame.ambient), squared = gradient.squared;
+  if (!all_arrives) ambient = hn::Mul(light.open, ambient);
+  if constexpr (kRough) {
+    squared = hn::Add(squared, gradient.rough);
+    const V even = hn::Div(gradient.rough, hn::Max(squared, all(1e-37F)));
+    const V directed = hn::Sub(one, even);
+    ambient = hn::MulAdd(even, even_diffuse, ambient);
+    diffuse = hn::Mul(directed, diffuse);
+    specular = between(specular, even_specular, even, directed);
+  }
+  const V bright = hn::MulAdd(to_unit, diffuse, ambient);
   const V gleam = hn::Mul(color.a, specular);
   const V flat = hn::Div(all(flatness), gradient.unit);
-  const V part = hn::Div(gradient.squared,
-                         hn::Max(hn::MulAdd(flat, flat, gradient.squared), all(1e-37F)));
+  const V part = hn::Div(squared, hn::Max(hn::MulAdd(flat, flat, squared), all(1e-37F)));
   V rest = hn::Sub(one, part);
   if (!all_arrives)
     rest = hn::Mul(rest, between(light.open, light.key, all(frame.key_share),

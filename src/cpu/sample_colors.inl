@@ -53,12 +53,25 @@ HWY_INLINE V3 differencesOf(const KernelBox& box, const V3& at, const Place& pla
                         : differencesWithoutMargin<kType, kSpread>(box, at);
 }
 
+// The gradient of a sample. `square`: of the spread, as numbersAt() returns it.
+template <DeviceType kType, Shading kShading>
+HWY_INLINE Gradient sampleGradient(const KernelFrame& frame, const KernelBox& box, const V3& at,
+                                   const Place& place, V square) {
+  const V3 differences = differencesOf<kType, kShading>(box, at, place);
+  if constexpr (hasSpreads(kShading)) {
+    const V spread = hn::Mul(hn::Sqrt(square), all(frame.spread_unit));
+    return gradientOf<true>(box, differences, spread);
+  }
+  return gradientOf(box, differences);
+}
+
 // The colour of a sample with its light. `gradient`: of the values, which the numbers of labels are
 // not.
 template <DeviceType kType, Shading kShading>
 HWY_INLINE Color shadedSample(const KernelFrame& frame, const KernelBox& box, const V3& at,
                               const Place& place, const Color& color, const Gradient& gradient) {
-  if (!frame.labels) return shaded(frame, box, at, color, gradient, frame.flat);
+  constexpr bool kRough = hasSpreads(kShading);
+  if (!frame.labels) return shaded<kRough>(frame, box, at, color, gradient, frame.flat);
   const V3 slopes = labelSlopesAt<kType, kShading == Shading::kShares>(frame, box, at, place);
   return shaded(frame, box, at, color, gradientOf(box, slopes), frame.flat);
 }
@@ -100,7 +113,7 @@ HWY_INLINE Color colorOf(const KernelFrame& frame, const KernelBox& box, const V
     // The opacity of spreads may not need it: then only samples that show something do.
     const bool comes_later = hasSpreads(kShading) && frame.rows == 0;
     if (!comes_later && (frame.rows > 0 || (frame.lit && !frame.labels)))
-      gradient = gradientOf(box, differencesOf<kType, kShading>(box, at, place));
+      gradient = sampleGradient<kType, kShading>(frame, box, at, place, square);
     V factor = all(1.0F);
     if (frame.rows > 0) {
       const V magnitude = hn::Mul(gradient.unit, hn::Sqrt(gradient.squared));
@@ -119,7 +132,7 @@ HWY_INLINE Color colorOf(const KernelFrame& frame, const KernelBox& box, const V
                             hn::Mul(ray_length, all(frame.slice_length)), color);
     if (comes_later) {
       if (!frame.lit || hn::AllFalse(F(), hn::Gt(color.a, hn::Zero(F())))) return color;
-      gradient = gradientOf(box, differencesOf<kType, kShading>(box, at, place));
+      gradient = sampleGradient<kType, kShading>(frame, box, at, place, square);
     }
     if (frame.lit) color = shadedSample<kType, kShading>(frame, box, at, place, color, gradient);
   }

@@ -6,7 +6,7 @@
 //   lit = colour * (ambient + diffuse * sum_l s_l |n.l|) + specular * sum_l s_l |n.h_l|^shininess
 //   shown = mix(colour, lit, w),   h_l = normalized(l + toward the viewer), toward viewer =
 //   -forward
-// so that flat regions, whose direction is noise, keep their own colour without a jump.
+// so that flat regions, of noisy direction, keep their own colour. With spreads: rough_light.h.
 //
 // The numbers of labels are no values. Their g is that of their opacity of one voxel length, by
 // Sobel's operator at the eight texels around the sample, interpolated, so that only what shows has

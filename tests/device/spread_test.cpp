@@ -322,6 +322,92 @@ TEST_F(SpreadTest, theOpacityIsThatOfTheShareThatIsOpaque) {
     }
 }
 
+// All values look the same, so that spreads change the light alone.
+constexpr Vec3d kOneColor{0.6, 0.5, 0.4};
+FrameSetup setupOfOneColor(DeviceType type) {
+  FrameSetup setup = setupOf({Projection::kPerspective, Mode::kComposite, true}, type);
+  LookUp look_up = *setup.look_up;
+  for (size_t i = 0; i < look_up.rgba.size(); ++i)
+    look_up.rgba[i] = i % 4 == 3 ? 0.2F : static_cast<float>(kOneColor[static_cast<int>(i % 4)]);
+  look_up.expected = std::make_shared<const ExpectedLook>(expectedLook(look_up, kRange));
+  setup.look_up = std::make_shared<const LookUp>(std::move(look_up));
+  return setup;
+}
+
+// The sum over the axes of the square of the slope in the world that one value a texel is.
+double slopeSquares(const FrameSetup& setup, Vec3d scale) {
+  double sum = 0;
+  for (size_t a = 0; a < 3; ++a) {
+    const Vec3d slope = setup.camera_gradient[a] * scale[static_cast<int>(a)];
+    sum += dot(slope, slope);
+  }
+  return sum;
+}
+
+TEST_F(SpreadTest, aTextureIsLitAlikeFromAllSides) {
+  PlainDevice plain;
+  for (Device* device : {device_.get(), static_cast<Device*>(&plain)})
+    for (const DeviceType type : kTypes)
+      for (const Vec3d scale : {Vec3d{1, 1, 1}, {0.5, 0.25, 0.5}})
+        for (const double spread : {0.0, 6.0, 50.0}) {
+          SCOPED_TRACE(fmt::format("{} {} scale {} spread {}", device->backend(), name(type),
+                                   scale.x, spread));
+          const FrameSetup setup = setupOfOneColor(type);
+          const Picture drawn = drawOn(*device, setup,
+                                       chunkOf(
+                                           [&](auto) {
+                                             return Texel{128, spread};
+                                           },
+                                           type, true),
+                                       scale);
+          // No slope from texel to texel: all of the variance lies in slopes of all directions.
+          const double squared = spread * spread / 4 / 5 * slopeSquares(setup, scale);
+          const double part = squared / (squared + setup.flat * setup.flat);
+          const Lighting& light = setup.lighting;
+          const double strengths = light.lights[0].strength + light.lights[1].strength;
+          const double bright = 1 - part + part * (light.ambient + 0.5 * light.diffuse * strengths);
+          const double gleam = part * light.specular * strengths / (light.shininess + 1);
+          double worst = 0;
+          for (size_t i = 0; i < drawn.rgba.size(); i += 4)
+            for (int c = 0; c < 3; ++c) {
+              const double found{drawn.rgba[i + static_cast<size_t>(c)]};
+              const double expected = double{drawn.rgba[i + 3]} * (kOneColor[c] * bright + gleam);
+              worst = std::max(worst, std::abs(255 * (found - expected)));
+            }
+          EXPECT_GT(mostOpacity(drawn), 0.9);
+          EXPECT_LT(worst, 1);
+        }
+}
+
+TEST_F(SpreadTest, anEvenSlopeIsLitAsWithoutItsSpread) {
+  // From texel to texel; the spread is that of the values on the way through a texel.
+  constexpr Vec3d kSlope{6, 3, 2};
+  const double spread = length(kSlope) / std::sqrt(3.0);
+  PlainDevice plain;
+  const auto rampAt = [&](bool has_spread) {
+    return [&kSlope, has_spread, spread](int64_t i) {
+      const Vec3i at{i % kDims.x, i / kDims.x % kDims.y, i / (kDims.x * kDims.y)};
+      // Beside the border differences are smaller.
+      bool is_inside = true;
+      for (int a = 0; a < 3; ++a) is_inside = is_inside && at[a] > 1 && at[a] < kDims[a] - 2;
+      return Texel{20 + dot(kSlope, toDouble(at)), has_spread && is_inside ? spread : 0};
+    };
+  };
+  for (Device* device : {device_.get(), static_cast<Device*>(&plain)}) {
+    const FrameSetup setup = setupOfOneColor(DeviceType::kF32);
+    const Picture one = drawOn(*device, setup, chunkOf(rampAt(false), DeviceType::kF32, true));
+    EXPECT_LT(worstOf(drawOn(*device, setup, chunkOf(rampAt(true), DeviceType::kF32, true)), one),
+              0.5)
+        << device->backend();
+    // Four times the spread is more than the slope explains.
+    const auto rough = [&](int64_t i) {
+      const Texel texel = rampAt(true)(i);
+      return Texel{texel.mean, 4 * texel.spread};
+    };
+    EXPECT_GT(worstOf(drawOn(*device, setup, chunkOf(rough, DeviceType::kF32, true)), one), 5);
+  }
+}
+
 TEST_F(SpreadTest, leapingLeavesOutNothingThatShows) {
   for (const Seen& seen : composites()) {
     FrameSetup setup = setupOf(seen, DeviceType::kU8);

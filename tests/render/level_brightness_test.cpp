@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <functional>
 #include <string>
 #include <vector>
@@ -47,10 +48,20 @@ std::vector<Signal> signals() {
   const auto fog = [](Vec3d p) {
     return 120 * blob(p, {-0.2, 0.1, 0.3}, 0.8) + 60 * blob(p, {0.5, -0.3, -0.4}, 0.4);
   };
+  // Voxels without any order, whose light comes from slopes that coarser voxels do not have.
+  const auto texture = [](Vec3d p) {
+    uint32_t state = 1;
+    for (int a = 0; a < 3; ++a) {
+      state = (state + static_cast<uint32_t>(std::lround((p[a] + 1) * kSignalSide))) * 2654435761U;
+      state ^= state >> 15;
+    }
+    return 28.0 + (state >> 8) % 200;
+  };
   return {{"ramp", ramp, {{0, 0.005}, {255, 0.03}}},
           {"marschner-lobb", marschnerLobb, {{0, 0}, {90, 0.004}, {255, 0.05}}},
           {"surface", surface, {{100, 0}, {140, 0.6}, {255, 0.6}}},
           {"lit surface", surface, {{100, 0}, {140, 0.6}, {255, 0.6}}, true},
+          {"lit texture", texture, {{0, 0.02}, {255, 0.05}}, true},
           {"fog", fog, {{0, 0}, {255, 0.02}}}};
 }
 

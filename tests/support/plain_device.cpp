@@ -263,7 +263,7 @@ void PlainDevice::blendSurfaces(const Ray& ray, const BoxDraw& box, const ChunkT
     blend(partOf(sample, surface.part - from), pixel);
     from = surface.part;
     const Vec3d rgb = setup_.lit ? litPlainly(setup_, ray.at(k - 0.5 + surface.part),
-                                              surface.level.rgb, surface.gradient, 0)
+                                              surface.level.rgb, {surface.gradient}, 0)
                                  : surface.level.rgb;
     blend({rgb, surface.level.opacity,
            setup_.first_depth + (k + ray.jitter + from) * setup_.depth_step},
@@ -353,16 +353,19 @@ void PlainDevice::take(const Ray& ray, const BoxDraw& box, const ChunkTexels& ch
       return true;
     }
     Vec3d gradient;  // camera space, device values a world unit
+    double difference_squares = 0, axis_squares = 0;
     if (setup_.lit || !look_up.magnitudes.empty())
       for (int a = 0; a < 3; ++a) {
         Vec3d after = texel, before = texel;
         after[a] += 1;
         before[a] -= 1;
         const double next = valueAt(chunk, after), last = valueAt(chunk, before);
-        if (next < kNoNumber || last < kNoNumber) continue;
         const auto axis = static_cast<size_t>(box.texels.axes[static_cast<size_t>(a)]);
-        gradient =
-            gradient + setup_.camera_gradient[axis] * (0.5 * (next - last) * box.texels.scale[a]);
+        const Vec3d a_texel = setup_.camera_gradient[axis] * box.texels.scale[a];
+        axis_squares += dot(a_texel, a_texel);
+        if (next < kNoNumber || last < kNoNumber) continue;
+        gradient = gradient + a_texel * (0.5 * (next - last));
+        difference_squares += 0.25 * (next - last) * (next - last);
       }
     const double factor = factorOf(look_up, length(gradient), value);
     const double lengths = setup_.slice_length * ray.length;
@@ -395,7 +398,9 @@ void PlainDevice::take(const Ray& ray, const BoxDraw& box, const ChunkTexels& ch
         gradient = gradient + setup_.camera_gradient[axis] * (slopes[a] * box.texels.scale[a]);
       }
     }
-    if (setup_.lit) rgb = litPlainly(setup_, p, rgb, gradient, setup_.flat);
+    // A fifth of the variance beyond that of an even slope, along each axis.
+    const double rough = std::max(0.0, spread * spread / 4 - difference_squares / 12) / 5;
+    if (setup_.lit) rgb = litPlainly(setup_, p, rgb, {gradient, rough * axis_squares}, setup_.flat);
     const Sample sample{rgb, opacity,
                         setup_.first_depth + (k + ray.jitter + 0.5) * setup_.depth_step};
     if (setup_.has_surfaces)

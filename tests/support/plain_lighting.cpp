@@ -33,21 +33,28 @@ std::array<double, 2> arrivingAt(const LightVolume& light, Vec3d at) {
 
 }  // namespace
 
-Vec3d litPlainly(const FrameSetup& setup, Vec3d at, Vec3d rgb, Vec3d gradient, double flatness) {
+Vec3d litPlainly(const FrameSetup& setup, Vec3d at, Vec3d rgb, const PlainSlopes& slopes,
+                 double flatness) {
+  const auto& [gradient, rough] = slopes;
   const Lighting& lighting = setup.lighting;
   const auto [key, open] =
       setup.light != nullptr ? arrivingAt(*setup.light, at) : std::array<double, 2>{1, 1};
   const Vec3d plain = rgb * std::lerp(open, key, lighting.keyShare());
-  const double squared = dot(gradient, gradient);
+  const double along = dot(gradient, gradient), squared = along + rough;
   if (!(squared > 0)) return plain;
-  const Vec3d n = normalized(gradient);
+  const Vec3d n = along > 0 ? normalized(gradient) : Vec3d{};
+  const double directed = along / squared;
   double bright = lighting.ambient * open, shine = 0;
   for (size_t l = 0; l < lighting.lights.size(); ++l) {
     const Light& light = lighting.lights[l];
     const Vec3d halfway = normalized(light.toward + Vec3d{0, 0, 1});
     const double strength = light.strength * (l == 0 ? key : open);
-    bright += lighting.diffuse * strength * std::abs(dot(n, light.toward));
-    shine += lighting.specular * strength * std::pow(std::abs(dot(n, halfway)), lighting.shininess);
+    const double facing = std::lerp(0.5, std::abs(dot(n, light.toward)), directed);
+    const double mirrored =
+        std::lerp(1 / (lighting.shininess + 1),
+                  std::pow(std::abs(dot(n, halfway)), lighting.shininess), directed);
+    bright += lighting.diffuse * strength * facing;
+    shine += lighting.specular * strength * mirrored;
   }
   const Vec3d lit = rgb * bright + Vec3d{shine, shine, shine};
   const double w = squared / (squared + flatness * flatness);

@@ -5,8 +5,15 @@
 
 namespace sluice {
 
-// The colour `rgb` of a sample at an index position, lit as described in lighting.h. The gradient
-// is in camera space, in device values a world unit.
-Vec3d litPlainly(const FrameSetup& setup, Vec3d at, Vec3d rgb, Vec3d gradient, double flatness);
+// The gradient at a sample in camera space, in device values a world unit, and the mean square of
+// the slopes in all directions around it, in the same unit.
+struct PlainSlopes {
+  Vec3d gradient;
+  double rough = 0;
+};
+
+// The colour `rgb` of a sample at an index position, lit as lighting.h and rough_light.h say.
+Vec3d litPlainly(const FrameSetup& setup, Vec3d at, Vec3d rgb, const PlainSlopes& slopes,
+                 double flatness);
 
 }  // namespace sluice

@@ -186,9 +186,21 @@ vec2 shine(vec2 x) {
 #endif
 }
 
-// `color` premultiplied; `squared` and `flatness` squares of lengths of gradients in one unit;
-// `light_at`: the place in the light volume.
-vec4 shade(vec4 color, vec3 difference, float squared, float flatness, vec3 light_at) {
+#if SPREAD
+uniform vec2 rough_parts;  // of the squares of a spread and of a difference, see kSpreadPart
+uniform vec4 even_light;   // evenDiffuse() and evenSpecular() of each light
+
+// The square of the slopes in all directions, for a spread and a difference in one unit.
+float roughOf(vec3 difference, float spread) {
+  vec2 squares = vec2(spread * spread, dot(difference, difference));
+  return dot(slope, slope) * max(dot(rough_parts, squares), 0.0);
+}
+#endif
+
+// `color` premultiplied; `squared`, `rough` (0 without spreads) and `flatness` squares of lengths
+// of gradients in one unit; `light_at`: the place in the light volume.
+vec4 shade(vec4 color, vec3 difference, float squared, float rough, float flatness,
+           vec3 light_at) {
   float to_unit = inversesqrt(max(squared, 1e-37));
   vec2 facing = abs(vec2(dot(difference, toward0), dot(difference, toward1)));
   vec2 mirrored = abs(vec2(dot(difference, halfway0), dot(difference, halfway1)));
@@ -200,8 +212,16 @@ vec4 shade(vec4 color, vec3 difference, float squared, float flatness, vec3 ligh
   const vec2 arriving = vec2(1.0);
   vec3 plain = color.rgb;
 #endif
-  vec3 lit = color.rgb * (reflection.z * arriving.y + to_unit * (facing.x + facing.y)) +
-             color.a * dot(reflection.xy * arriving, shine(to_unit * mirrored));
+  float diffuse = to_unit * (facing.x + facing.y);
+  float specular = dot(reflection.xy * arriving, shine(to_unit * mirrored));
+#if SPREAD
+  squared += rough;
+  vec2 even = vec2(dot(even_light.xy, arriving), dot(even_light.zw, arriving));
+  vec2 both = mix(vec2(diffuse, specular), even, rough / max(squared, 1e-37));
+  diffuse = both.x;
+  specular = both.y;
+#endif
+  vec3 lit = color.rgb * (reflection.z * arriving.y + diffuse) + color.a * specular;
   return vec4(mix(plain, lit, squared / max(squared + flatness, 1e-37)), color.a);
 }
 #endif
@@ -235,6 +255,9 @@ const char* const kShownColorText = R"(
 // lengths, for gradient factors and labels.
 vec4 shownColor(vec4 color, float value, float part, float entry, vec3 at, float ray_length,
                 float voxel_lengths, vec3 light_at) {
+#if SPREAD
+  float share = spreadShareAt(at);
+#endif
 #if GRADIENTS
 #if LABELS && GRADIENT_ROWS == 0
   vec3 difference = labelSlopes(at);
@@ -242,9 +265,15 @@ vec4 shownColor(vec4 color, float value, float part, float entry, vec3 at, float
   vec3 difference = differenceAt(at);
 #endif
   float unit = 1.0;
+#if SPREAD
+  float spread = share / max(expected_line.z, 1e-37);
+#endif
 #if FLOATS
   // In units of the steepest axis, since squares of the values themselves may overflow.
   unit = max(max(abs(difference.x), max(abs(difference.y), abs(difference.z))), 1e-37);
+#if SPREAD
+  unit = max(unit, spread);
+#endif
   difference /= unit;
 #endif
   float squared = squareOf(difference);
@@ -270,7 +299,7 @@ vec4 shownColor(vec4 color, float value, float part, float entry, vec3 at, float
   color.rgb *= color.a;
 #endif
 #if SPREAD
-  color = expectedColor(value, spreadShareAt(at), factor, ray_length, color);
+  color = expectedColor(value, share, factor, ray_length, color);
 #if FLOATS
   if (IS_NO_NUMBER(vec3(value)).x) color = vec4(0.0);
 #endif
@@ -282,7 +311,12 @@ vec4 shownColor(vec4 color, float value, float part, float entry, vec3 at, float
   unit = 1.0;
 #endif
   float flatness = reflection.w / unit;
-  color = shade(color, difference, squared, flatness * flatness, light_at);
+#if SPREAD
+  float rough = roughOf(difference, spread / unit);
+#else
+  const float rough = 0.0;
+#endif
+  color = shade(color, difference, squared, rough, flatness * flatness, light_at);
 #endif
   return color;
 }

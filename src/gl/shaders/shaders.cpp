@@ -83,7 +83,7 @@ constexpr const char* kOfChannels[] = {
     "meanWeights",   "texel_scale",     "share_unit",       "expected",
     "expected_line", "expectedColor",   "spreadShareAt",    "expected_length",
     "sharedOpacity", "shownOf",         "soleBody",         "storedAt",
-    "bodyOf"};
+    "bodyOf",        "rough_parts",     "even_light",       "roughOf"};
 
 // The text of one channel: the same as that of a single one, with names of its own.
 std::string channelText(const ShaderVariant& variant, size_t channel) {

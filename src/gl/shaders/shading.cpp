@@ -5,6 +5,7 @@
 
 #include "src/device/depth_code.h"
 #include "src/device/look_up_texels.h"
+#include "src/device/rough_light.h"
 
 namespace sluice {
 namespace {
@@ -59,18 +60,22 @@ Floats rowsOf(const FrameSetup& setup) {
 
 void setLights(const FrameSetup& setup, GlProgram& program) {
   const Lighting& lighting = setup.lighting;
-  Floats toward, halfway, reflection;
+  Floats toward, halfway, reflection, even;
   for (const Light& light : lighting.lights) {
     toward.add(along(setup, light.toward) * (light.strength * lighting.diffuse));
     halfway.add(along(setup, normalized(light.toward + Vec3d{0, 0, 1})));
     reflection.add(light.strength * lighting.specular);
+    even.add(evenDiffuse(lighting, light));
   }
+  for (const Light& light : lighting.lights) even.add(evenSpecular(lighting, light));
   // The gradient of labels is one of opacities, which have no scale.
   reflection.add(lighting.ambient)
       .add(setup.look_up->labels ? setup.flat : setup.flat / valueScale(setup.type));
   program.set3("index_toward", toward.data(), 2);
   program.set3("index_halfway", halfway.data(), 2);
   program.set4("view_reflection", reflection.data(), 1);
+  program.set4("even_light", even.data(), 1);
+  program.set2("rough_parts", kSpreadPart, -kSlopePart);
   program.set("shininess", lighting.shininess);
   program.set("key_share", lighting.keyShare());
 }
