@@ -4,6 +4,7 @@
 
 #include <memory>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include "tests/device/suite_device.h"
@@ -57,6 +58,28 @@ TEST(Blended, isTheRuleInPlainLoops) {
             << scene.block_vox << " " << scene.pages << " " << step;
         ASSERT_EQ(reports.size(), channels.size());
         for (const FrameReport& report : reports) EXPECT_GT(report.boxes_drawn, 0);
+      }
+    }
+}
+
+// Several pixels a voxel: the rays of a packet meet the same few texels. Views along the axes have
+// samples on voxel planes, and the channels' boxes have different shapes and orders of texels.
+TEST(Blended, isTheRuleCloseUp) {
+  const std::vector<BlendedChannel> channels = threeChannels();
+  FrameOptions options;
+  options.size = {126, 117};
+  for (const Projection projection : kProjections)
+    for (const auto& [azimuth, elevation] :
+         {std::pair{0.0, 0.0}, {90.0, 0.0}, {180.0, 90.0}, {215.0, -50.0}}) {
+      options.camera.projection = projection;
+      options.camera.azimuth_deg = azimuth;
+      options.camera.elevation_deg = elevation;
+      const FloatPicture plain = plainlyBlended(
+          channels, resolve(options.camera, channels.front().source->layout(), options.size, 1));
+      for (const int64_t block_vox : {8, 64}) {
+        std::vector<FrameReport> reports;
+        EXPECT_TRUE(within(1, blended(channels, {.block_vox = block_vox}, options, reports), plain))
+            << block_vox << " " << azimuth;
       }
     }
 }
