@@ -71,11 +71,15 @@ std::optional<Target> targetOf(const fs::path& given) {
 
 // Throws Error if no file can get this name, because it is too long or its folder is missing or
 // closed. Files are written beside their names first, so that their folder counts even if they
-// exist.
+// exist; devices such as /dev/null are not.
 void requirePlace(const std::string& what, const fs::path& given) {
   struct stat status {};
   const auto refuse = [&](int reason) { failErrno(what + " cannot be written", reason); };
-  if (stat(given.c_str(), &status) != 0 && errno != ENOENT) refuse(errno);
+  if (stat(given.c_str(), &status) == 0) {
+    if (isDevice(status)) return;
+  } else if (errno != ENOENT) {
+    refuse(errno);
+  }
   const fs::path path = followed(given);
   if (access(parentOf(path).c_str(), W_OK | X_OK) != 0) refuse(errno);
 }
