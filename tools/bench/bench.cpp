@@ -25,8 +25,6 @@ AskedView addPictures(CLI::App& app, BenchArguments& arguments) {
   addLookOptions(app, asked, arguments.look, arguments.frame);
   addViewOptions(app, asked, arguments.frame);
   addFrameOptions(app, arguments.frame);
-  // A frame that ends at its time limit measures the limit.
-  app.remove_option(app.get_option("--time-limit"));
   addResourceOptions(app, arguments.resources);
   return asked;
 }

@@ -212,6 +212,7 @@ Command addRender(CLI::App& program) {
   addJsonOption(output, arguments->json, "Prints the report instead of a summary");
   arguments->asked = addPictureOptions(*app, arguments->look, arguments->frame, arguments->fit);
   addFrameOptions(*app, arguments->frame);
+  addTimeLimit(*app, arguments->frame);
   addCullingOptions(*app, arguments->culling, true);
   OptionGroup(*app, kSeriesHeading)
       .rare()

@@ -142,6 +142,7 @@ Command addSimulate(CLI::App& program) {
   addOverOption(*app, turn.volume);
   addPictureOptions(*app, turn.look, turn.frame, turn.fit);
   addFrameOptions(*app, turn.frame);
+  addTimeLimit(*app, turn.frame);
   addLevelOptions(*app, turn.levels, turn.resources);
   // These options leave out data depending on the picture or on the clock, which a simulation
   // lacks.

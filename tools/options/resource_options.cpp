@@ -123,6 +123,7 @@ void takeIdleOptions(CLI::App& app) {
   FrameOptions frame;
   addResourceOptions(drawing, resources);
   addFrameOptions(drawing, frame);
+  addTimeLimit(drawing, frame);
   for (const CLI::Option* option : drawing.get_options()) {
     const std::string name = option->get_name();
     if (app.get_option_no_throw(name) != nullptr) continue;

@@ -30,6 +30,8 @@ void addLookOptions(CLI::App& app, const AskedView& asked, LookArguments& look,
 void addViewOptions(CLI::App& app, const AskedView& asked, FrameOptions& options);
 // The rest of the group Drawing: how a frame comes about.
 void addFrameOptions(CLI::App& app, FrameOptions& options);
+// --time-limit, not for benches: a frame that ends at its limit measures the limit.
+void addTimeLimit(CLI::App& app, FrameOptions& options);
 // Look, view and fit of the commands that choose a good first picture.
 AskedView addPictureOptions(CLI::App& app, LookArguments& look, FrameOptions& frame,
                             FitChoice& fit);

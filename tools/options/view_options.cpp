@@ -77,7 +77,7 @@ void addDrawingOptions(CLI::App& app, const AskedView& asked, FrameOptions& opti
 }  // namespace
 
 void addFrameOptions(CLI::App& app, FrameOptions& options) {
-  const OptionGroup group(app, std::string(kDrawingHeading)), rare = group.rare();
+  const OptionGroup rare = OptionGroup(app, std::string(kDrawingHeading)).rare();
   rare.choice(
       "--algorithm", wordsOf<Algorithm>(kAlgorithms, [](Algorithm each) { return name(each); }),
       options.algorithm, "How blocks are trimmed and merged: algorithms I to IV of Tong 1999");
@@ -97,6 +97,10 @@ void addFrameOptions(CLI::App& app, FrameOptions& options) {
   rare.number("--opacity-threshold", "A", options.opacity_threshold, {0, 1, true},
               "Opacity from which a ray hides everything behind it; 1 changes no picture (1; with "
               "--occlusion or --culling 0.95)");
+}
+
+void addTimeLimit(CLI::App& app, FrameOptions& options) {
+  const OptionGroup group(app, std::string(kDrawingHeading));
   group.parsed(
       "--time-limit", "SECONDS", "a number from 0 to 1e+09, also with a unit, as in 1s or 500ms",
       parseSeconds, [&options](double seconds) { options.time_limit_s = seconds; },

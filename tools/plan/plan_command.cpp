@@ -222,6 +222,7 @@ Command addPlan(CLI::App& program) {
   addOverOption(*app, arguments->volume);
   addPictureOptions(*app, arguments->look, arguments->frame, arguments->fit);
   addFrameOptions(*app, arguments->frame);
+  addTimeLimit(*app, arguments->frame);
   addCullingOptions(*app, arguments->culling, true);
   addLevelOptions(*app, arguments->levels, arguments->resources);
   addResourceOptions(*app, arguments->resources);
