@@ -118,7 +118,7 @@ LIBRARIES = {
     r'hdf5\.h': ['io/hdf5/hdf5_module.cpp'],
     r'expat': ['io/files/xml_scanner.cpp'],
     r'curl/': ['io/web/http_client.cpp', 'io/web/redirect.cpp', 'io/web/web_module.cpp'],
-    r'hwy/': ['src/cpu/'],
+    r'hwy/': ['src/cpu/', 'tests/cpu/'],
     r'mpi\.h': ['src/parallel/', 'tests/parallel/'],
     r'CLI/': ['tools/', 'tests/tools/'],
     r'pybind11/': ['python/'],
