@@ -14,7 +14,7 @@ namespace sluice {
 std::unique_ptr<VolumeSource> respaced(std::unique_ptr<VolumeSource> source,
                                        const std::optional<Vec3d>& spacing);
 
-// With its first voxel there, in world units.
+// The same voxels, the first one at `origin`, in world units.
 std::unique_ptr<VolumeSource> placedAt(std::unique_ptr<VolumeSource> source, Vec3d origin);
 
 // With one more note in its layout; nullopt: the source itself.

@@ -129,7 +129,7 @@ void FrameTables::setLookUp(const LookUpTables& tables) {
     frame_.mean_scale = static_cast<float>(entries);
     frame_.mean_offset = static_cast<float>(-values.lo * entries);
     frame_.spread_scale = static_cast<float>(span > 0 ? 1 / span : 0);
-    // Of all floats it may be more than a float holds.
+    // The unit may be more than a float holds if the values fill the range of floats.
     frame_.spread_unit =
         static_cast<float>(std::min(span, double{std::numeric_limits<float>::max()}));
     frame_.expected_entries = expected->entries;

@@ -24,7 +24,7 @@ namespace sluice {
 // grain on scans, and a half flattens thin shells.
 inline constexpr double kSpreadPart = 1.0 / 20, kSlopePart = 1.0 / 60;
 
-// What reaches the eye of a light in the mean over all directions of a surface.
+// The share of a light that reaches the eye, in the mean over all directions of a surface.
 inline double evenDiffuse(const Lighting& lighting, const Light& light) {
   return 0.5 * lighting.diffuse * light.strength;
 }

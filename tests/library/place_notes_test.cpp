@@ -1,4 +1,4 @@
-// What is said of the places of two volumes in one picture.
+// Two volumes in one picture: the lines about their places.
 #include "src/library/opening/place_notes.h"
 
 #include <gmock/gmock.h>

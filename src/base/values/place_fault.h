@@ -1,4 +1,4 @@
-// The volumes that do not tell where they lie. Pure functions of a layout.
+// Tells whether a volume lies at its place. Pure functions of a layout.
 #pragma once
 
 #include "src/base/values/volume_source.h"
