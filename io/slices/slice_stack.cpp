@@ -12,7 +12,6 @@
 #include "io/slices/slice_picture.h"
 #include "src/base/error.h"
 #include "src/base/threads/mutex.h"
-#include "src/base/values/place_fault.h"
 #include "src/base/values/read_units.h"
 #include "src/base/values/volume_channels.h"
 #include "src/base/values/volume_levels.h"
@@ -222,10 +221,9 @@ class SliceStack final : public VolumeSource,
       for (int a = 0; a < 3; ++a)
         layout_.origin[a] = order.origin[a] * (layout_.spacing[a] / order.spacing[a]);
     }
+    layout_.tells_place = order.tells_place;
     if (!order.place_fault.empty())
       layout_.place_fault = fmt::format("{}: {}", first, order.place_fault);
-    else if (!order.tells_place)
-      layout_.place_fault = kTellsNoPlace;
     for (const std::string& note : format_.notes)
       layout_.notes.push_back(fmt::format("{}: {}", first, note));
     for (const std::string& note : order.notes)

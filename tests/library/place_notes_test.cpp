@@ -7,7 +7,6 @@
 #include <memory>
 #include <utility>
 
-#include "src/base/values/place_fault.h"
 #include "tests/support/function_source.h"
 
 namespace sluice {
@@ -78,7 +77,7 @@ TEST(PlaceNotes, tellWhenTheFirstVolumeGivesThePlace) {
   };
   VolumeLayout scan = layoutIn("micrometer", {100, -50, 7}), labels = layoutIn("");
   scan.frame = labels.frame = WorldFrame::kPictureRows;
-  labels.place_fault = kTellsNoPlace;
+  labels.tells_place = false;
   std::vector<std::string> notes;
   auto placed = withPlaceOf(scan, sourceOf(labels), "labels", notes);
   EXPECT_EQ(placed->layout().origin, scan.origin);
@@ -97,7 +96,7 @@ TEST(PlaceNotes, tellWhenTheFirstVolumeGivesThePlace) {
   // Both tell a place, or none, or their worlds differ.
   notes.clear();
   VolumeLayout zero = labels, patient = scan;
-  zero.place_fault.clear();
+  zero.tells_place = true;
   patient.frame = WorldFrame::kRas;
   EXPECT_EQ(withPlaceOf(scan, sourceOf(zero), "zero", notes)->layout().origin, Vec3d{});
   EXPECT_EQ(withPlaceOf(labels, sourceOf(labels), "labels", notes)->layout().origin, Vec3d{});

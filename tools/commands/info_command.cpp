@@ -7,7 +7,6 @@
 
 #include "src/base/values/bytes.h"
 #include "src/base/values/level_kinds.h"
-#include "src/base/values/place_fault.h"
 #include "src/base/values/volume_levels.h"
 #include "src/library/opening/thick_source.h"
 #include "src/volume/device_voxel.h"
@@ -119,8 +118,7 @@ void print(const IndexedVolume& volume, const ChosenLook& look) {
   const auto triple = [](Vec3d v) { return fmt::format("{:g}, {:g}, {:g}", v.x, v.y, v.z); };
   say("  from ({}) to ({}){}, origin ({})\n", triple(bounds.lo), triple(bounds.hi),
       layout.unit.empty() ? ", unit not said" : " " + layout.unit, triple(layout.origin));
-  if (!layout.place_fault.empty() && layout.place_fault != kTellsNoPlace)
-    say("  place: {}\n", layout.place_fault);
+  if (!layout.place_fault.empty()) say("  place: {}\n", layout.place_fault);
   say("  {}\n", orientationText(layout));
   if (const std::string hint = uprightHint(layout); !hint.empty()) say("  up: {}\n", hint);
   if (layout.channels > 1) say("  channel {} of {}\n", layout.channel, layout.channels);

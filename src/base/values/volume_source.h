@@ -48,8 +48,10 @@ struct VolumeLayout {
   std::string name;  // for people: the file's name or the grid's
   std::string unit;  // unit of spacing and origin, if the file tells it: "millimeter", ...
   WorldFrame frame = WorldFrame::kNone;
-  // For people, one line: why the volume is not at its place (place_fault.h), which matters beside
-  // another one. Empty: it is there, or its format has no places.
+  // False: the file could tell its place and does not.
+  bool tells_place = true;
+  // For people, one line: why the volume is not at the place that the file tells (place_fault.h),
+  // which matters beside another volume. Empty: it is there.
   std::string place_fault;
   // Other contents of the file: the number of channels or components and the one that is read, the
   // number of levels of resolution, the names of all grids or arrays.

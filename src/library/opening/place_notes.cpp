@@ -45,8 +45,7 @@ std::vector<std::string> placeNotes(const VolumeLayout& over, const VolumeLayout
         fmt::format("{}: lies beside {} in the world, by the places that the files give them", name,
                     first.name));
   for (const VolumeLayout* layout : {&over, &first})
-    if (!layout->place_fault.empty() && layout->place_fault != kTellsNoPlace)
-      notes.push_back(layout->place_fault);
+    if (!layout->place_fault.empty()) notes.push_back(layout->place_fault);
   return notes;
 }
 

@@ -6,7 +6,6 @@
 #include "io/open_volume.h"
 #include "io/slices/slice_stack.h"
 #include "io/slices/tiff_description.h"
-#include "src/base/values/place_fault.h"
 #include "src/base/values/volume_channels.h"
 #include "src/base/values/volume_levels.h"
 #include "tests/io/python_volumes.h"
@@ -321,7 +320,9 @@ TEST(TiffPage, liesAtItsPlaceInAnySpacing) {
   const auto plain =
       openVolume(write("i.tif", "imagej=True, metadata=dict(axes='ZYX', spacing=3)"));
   expectNear(plain->layout().spacing, {1, 1, 3});
-  EXPECT_EQ(plain->layout().place_fault, kTellsNoPlace);
+  EXPECT_FALSE(plain->layout().tells_place);
+  EXPECT_TRUE(series->layout().tells_place);
+  EXPECT_EQ(plain->layout().place_fault, "");
   EXPECT_EQ(series->layout().place_fault, "");
 }
 
