@@ -145,9 +145,14 @@ OptionValue valueOf(const OptionEntry& entry, const std::string& keyword, const 
   switch (entry.kind.form) {
     case OptionForm::kFlag:
       return taken<bool>(keyword, "True or False", value);
+    case OptionForm::kBytes:
+      if (py::isinstance<py::str>(value))
+        return py::module_::import("sluice").attr("_bytes")(value, keyword).cast<int64_t>();
+      return taken<int64_t>(keyword, entry.kind.noun, value);
     case OptionForm::kWhole:
       return taken<int64_t>(keyword, "a whole number", value);
     case OptionForm::kNumber:
+    case OptionForm::kSeconds:
       return taken<double>(keyword, entry.kind.noun, value);
     case OptionForm::kWord:
       return wordOf(entry, keyword, value);
@@ -191,7 +196,10 @@ std::string typeOf(const OptionEntry& entry) {
       return "bool";
     case OptionForm::kWhole:
       return "int";
+    case OptionForm::kBytes:
+      return "int | str";
     case OptionForm::kNumber:
+    case OptionForm::kSeconds:
       return "float";
     case OptionForm::kWord:
       return fmt::format("{}Literal['{}']", isSwitch(entry) ? "bool | " : "",
@@ -232,13 +240,6 @@ struct PictureKeyword {
   std::function<void(PictureOptions&, const py::handle&)> set;
 };
 
-template <class T>
-void setNumber(const char* keyword, const char* expected, NumberRange<double> range,
-               const py::handle& value, T& held) {
-  held = taken<T>(keyword, expected, value);
-  if (!range.holds(static_cast<double>(held))) failValue(keyword, expected, printed(value));
-}
-
 void setSize(PictureOptions& picture, const py::handle& value) {
   constexpr const char* kExpected = "(width, height) or one number for both, each from 1 to 65536";
   std::array<int, 2> size{};
@@ -256,42 +257,10 @@ void setSize(PictureOptions& picture, const py::handle& value) {
 const std::map<std::string, PictureKeyword>& pictureOnlyKeywords() {
   static const std::map<std::string, PictureKeyword> keywords{
       {"size", {"int | tuple[int, int]", setSize}},
-      {"pixel_error",
-       {"float",
-        [](PictureOptions& picture, const py::handle& value) {
-          setNumber("pixel_error", "a number above 0", {0, 1e6, true}, value, picture.pixel_error);
-        }}},
-      {"level",
-       {"int",
-        [](PictureOptions& picture, const py::handle& value) {
-          setNumber("level", "a whole number from 0", {0, 60}, value, picture.level.emplace());
-        }}},
-      {"max_bytes",
-       {"int | str",  // a text becomes a number in Python
-        [](PictureOptions& picture, const py::handle& value) {
-          setNumber("max_bytes", "a number of bytes from 0", {0, 9e18}, value, picture.max_bytes);
-        }}},
       {"modulate",
        {"bool",  // see modulate()
         [](PictureOptions&, const py::handle& value) {
           taken<bool>("modulate", "True or False", value);
-        }}},
-      {"keep_thin",
-       {"bool",
-        [](PictureOptions& picture, const py::handle& value) {
-          picture.keep_thin = taken<bool>("keep_thin", "True or False", value);
-        }}},
-      {"time_limit",
-       {"float",
-        [](PictureOptions& picture, const py::handle& value) {
-          setNumber("time_limit", "seconds from 0", {0, 1e9}, value,
-                    picture.time_limit_s.emplace());
-        }}},
-      {"opacity_threshold",
-       {"float",
-        [](PictureOptions& picture, const py::handle& value) {
-          setNumber("opacity_threshold", "a number above 0, up to 1", {0, 1, true}, value,
-                    picture.opacity_threshold.emplace());
         }}},
       {"depth",
        {"",

@@ -89,13 +89,6 @@ def _list(keyword, items, kind, item):
     return [item(keyword, one) for one in each]
 
 
-def _picture(options):
-    """The options of a picture as the module takes them."""
-    if isinstance(options.get('max_bytes'), str):
-        options['max_bytes'] = _bytes(options['max_bytes'], 'max_bytes')
-    return options
-
-
 def _lists_keywords(function):
     """The function, with the keywords of pictures in the place of {keywords} in its docstring."""
     if function.__doc__:
@@ -435,12 +428,12 @@ class Renderer:
             Traceback (most recent call last):
             ValueError: zoom: expected a number from 1e-06 to 1000000, found -1
         """
-        return self._handle.render(self._volume, progress, **_picture(options))
+        return self._handle.render(self._volume, progress, **options)
 
     def save(self, path, *, progress=None, **options):
         """Draws a picture into a PNG or EXR file, in strips if it is large. The file appears whole
         or not at all, and replaces one that is there."""
-        self._handle.save(self._volume, _path('path', path), progress, **_picture(options))
+        self._handle.save(self._volume, _path('path', path), progress, **options)
 
     def plan(self, *, progress=None, **options):
         """The cost of the picture that render() draws for these options, before it is drawn: a dict
@@ -458,7 +451,7 @@ class Renderer:
             >>> list(plan['algorithms'])
             ['conventional', 'clipped', 'trimmed', 'merged']
         """
-        return self._handle.plan(self._volume, progress, **_picture(options))
+        return self._handle.plan(self._volume, progress, **options)
 
     def slice(self, axis, at, *, time=0, most=1024):
         """The plane `at` of the axis 'x', 'y' or 'z' as floats, indexed by the other two axes, the
@@ -474,7 +467,7 @@ class Renderer:
         gives for these options, from 0 to 1 to the right and down: a dict of voxel, world and
         value; None if nothing shows there. Places beside a NaN show nothing, and beside an infinite
         voxel the value is infinite."""
-        return self._handle.probe(self._volume, _number('right', right), _number('down', down), **_picture(options))
+        return self._handle.probe(self._volume, _number('right', right), _number('down', down), **options)
 
     @property
     def look(self):

@@ -37,8 +37,10 @@ FitChoice fitChoice(const ViewOptions& view);
 // An unset step_vox becomes 1; values that belong to the look are left out. Checks the crop box,
 // the time step and the camera against the volume.
 FrameOptions frameOptions(const PictureOptions& picture, const VolumeLayout& layout, Mode mode);
-// Sets the sampling and the light, as far as the picture sets them; it needs no volume.
+// Sets the sampling, the light and the limits, as far as the picture sets them; it needs no volume.
 void setDrawing(const PictureOptions& picture, FrameOptions& options);
+// The cut through levels of resolution that the picture asks for; unset: level 0 alone.
+std::optional<CutOptions> askedCut(const PictureOptions& picture);
 // To be called once the mode and the levels to draw are set.
 void setPipeline(const PipelineOptions& pipeline, FrameOptions& options);
 ViewOptions::Framing framingOf(const Framing& framing);

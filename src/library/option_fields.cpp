@@ -13,8 +13,7 @@ struct Field {
   std::string_view option, name;
 };
 
-// Options that are no options of a view: of a volume and of the machine, of levels and the
-// pipeline.
+// Options that are not in the table of options: of a volume, of the machine and of the pipeline.
 constexpr std::array kFields = std::to_array<Field>({
     {"--algorithm", "pipeline.algorithm"},
     {"--block", "block"},
@@ -27,19 +26,14 @@ constexpr std::array kFields = std::to_array<Field>({
     {"--gl", "pipeline.gl"},
     {"--grid", "grid"},
     {"--index-dir", "index_folder"},
-    {"--keep-thin", "keep_thin"},
-    {"--level", "level"},
     {"--levels", "levels"},
-    {"--max-bytes", "max_bytes"},
     {"--memory", "memory_bytes"},
     {"--merge", "pipeline.merge"},
     {"--occlusion", "pipeline.occlusion"},
-    {"--opacity-threshold", "opacity_threshold"},
     {"--over", "over"},
     {"--page", "page"},
     {"--pages", "pipeline.pages"},
     {"--partition", "pipeline.partition"},
-    {"--pixel-error", "pixel_error"},
     {"--policy", "pipeline.policy"},
     {"--seed", "pipeline.seed"},
     {"--simd", "pipeline.simd"},
@@ -48,7 +42,6 @@ constexpr std::array kFields = std::to_array<Field>({
     {"--spacing", "spacing"},
     {"--this-step", "whole_series"},
     {"--threads", "threads"},
-    {"--time-limit", "time_limit_s"},
     {"--time-steps", "time_steps"},
     {"--type", "type"},
 });

@@ -315,6 +315,31 @@ void setDrawing(const PictureOptions& picture, FrameOptions& options) {
     options.jitter = *picture.jitter;
   }
   setLighting(picture.lighting, options);
+  if (picture.opacity_threshold) {
+    if (!(*picture.opacity_threshold > 0 && *picture.opacity_threshold <= 1))
+      failRequest("opacity_threshold {}: must be above 0, up to 1", *picture.opacity_threshold);
+    options.opacity_threshold = picture.opacity_threshold;
+  }
+  if (picture.time_limit_s) {
+    requireFinite("time_limit_s", *picture.time_limit_s);
+    if (*picture.time_limit_s < 0)
+      failRequest("time_limit_s {}: must be 0 or more", *picture.time_limit_s);
+    options.time_limit_s = picture.time_limit_s;
+  }
+}
+
+std::optional<CutOptions> askedCut(const PictureOptions& picture) {
+  requireFinite("pixel_error", picture.pixel_error);
+  if (!(picture.pixel_error > 0))
+    failRequest("pixel_error {}: must be above 0", picture.pixel_error);
+  if (picture.level && *picture.level < 0)
+    failRequest("level {}: levels are counted from 0", *picture.level);
+  if (picture.level == 0) return std::nullopt;
+  CutOptions cut{.pixel_error = picture.pixel_error, .level = picture.level};
+  cut.is_default = !picture.level && picture.max_bytes == 0;
+  cut.keeps_thin = picture.keep_thin;
+  if (picture.max_bytes != 0) cut.most_stored_bytes = picture.max_bytes;
+  return cut;
 }
 
 FrameOptions frameOptions(const PictureOptions& picture, const VolumeLayout& layout, Mode mode) {
@@ -325,25 +350,11 @@ FrameOptions frameOptions(const PictureOptions& picture, const VolumeLayout& lay
   setDrawing(picture, options);
   resolve(options.camera, layout, options.size, options.step_vox);  // throws
   requireStep(picture.time, layout);
-  requireFinite("pixel_error", picture.pixel_error);
-  if (!(picture.pixel_error > 0))
-    failRequest("pixel_error {}: must be above 0", picture.pixel_error);
-  if (picture.level && *picture.level < 0)
-    failRequest("level {}: levels are counted from 0", *picture.level);
-  if (picture.level != 0) {
-    options.cut = CutOptions{.pixel_error = picture.pixel_error, .level = picture.level};
-    options.cut->is_default = !picture.level && picture.max_bytes == 0;
-    options.cut->keeps_thin = picture.keep_thin;
-    if (picture.max_bytes != 0) options.cut->most_stored_bytes = picture.max_bytes;
-  }
+  options.cut = askedCut(picture);
   if (picture.crop) options.crop = cropOf(*picture.crop, layout.dims);
   if (picture.with_depth && !traitsOf(mode).has_colors)
     failRequest("with_depth: depth exists only in composite mode, since it is weighted by opacity");
   options.with_depth = picture.with_depth;
-  if (picture.opacity_threshold &&
-      !(*picture.opacity_threshold > 0 && *picture.opacity_threshold <= 1))
-    failRequest("opacity_threshold {}: must be above 0, up to 1", *picture.opacity_threshold);
-  options.opacity_threshold = picture.opacity_threshold;
   if (picture.clip_planes.size() > kMostAskedPlanes)
     failRequest("clip_planes: {} of them, at most {}", picture.clip_planes.size(),
                 kMostAskedPlanes);
@@ -351,12 +362,6 @@ FrameOptions frameOptions(const PictureOptions& picture, const VolumeLayout& lay
     for (const double value : {plane.normal[0], plane.normal[1], plane.normal[2], plane.offset})
       requireFinite("clip_planes", value);
     options.clip_planes.push_back({vec(plane.normal), plane.offset});
-  }
-  if (picture.time_limit_s) {
-    requireFinite("time_limit_s", *picture.time_limit_s);
-    if (*picture.time_limit_s < 0)
-      failRequest("time_limit_s {}: must be 0 or more", *picture.time_limit_s);
-    options.time_limit_s = picture.time_limit_s;
   }
   if (picture.next_time) requireStep(*picture.next_time, layout);
   return options;

@@ -50,10 +50,9 @@ OptionEntry in(T ViewState::*member, OptionEntry entry) {
 }
 template <class T>
 OptionEntry in(T PictureOptions::*member, OptionEntry entry) {
+  const OptionPart part = entry.part;
   return holding(
-      inPart(OptionPart::kTop, "", std::move(entry)), [=](auto& state) -> auto& {
-        return state.*member;
-      });
+      inPart(part, "", std::move(entry)), [=](auto& state) -> auto& { return state.*member; });
 }
 template <class T>
 OptionEntry in(T PictureOptions::Lighting::*member, OptionEntry entry) {

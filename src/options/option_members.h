@@ -32,6 +32,10 @@ template <class T>
 constexpr bool kIsOptionalMember = false;
 template <class T>
 constexpr bool kIsOptionalMember<std::optional<T>> = true;
+// The alternative of OptionValue that holds such a member.
+template <class T>
+using AlternativeOf =
+    std::conditional_t<std::is_integral_v<T> && !std::is_same_v<T, bool>, int64_t, T>;
 // Things that a text says.
 template <class T>
 constexpr bool kIsTexts = std::is_same_v<T, std::vector<LookOptions::Channel>> ||
@@ -56,7 +60,7 @@ std::optional<OptionValue> readMember(const OptionWords& words, const T& held) {
   } else if constexpr (std::is_same_v<T, PictureOptions::Box>) {
     return OptionWholes{held.lo[0], held.lo[1], held.lo[2], held.hi[0], held.hi[1], held.hi[2]};
   } else if constexpr (std::is_arithmetic_v<T>) {
-    return held;
+    return static_cast<AlternativeOf<T>>(held);
   } else if constexpr (AnArray<T>) {
     return ListOf<T>(held.begin(), held.end());
   } else if (held.empty()) {
@@ -100,7 +104,7 @@ void writeMember(const OptionWords& words, const OptionValue& value, T& held) {
     for (const OptionReals& n : std::get<std::vector<OptionReals>>(value))
       assign(held.emplace_back(), n);
   } else {
-    held = std::get<T>(value);
+    held = static_cast<T>(std::get<AlternativeOf<T>>(value));
   }
 }
 

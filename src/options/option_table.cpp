@@ -60,6 +60,7 @@ std::vector<std::string_view> optionNames(const OptionEntry& entry) {
 }
 
 std::optional<OptionValue> savedValue(const OptionEntry& entry, const ViewState& state) {
+  if (entry.part == OptionPart::kPicture) return std::nullopt;
   if (entry.is_saved != nullptr && !entry.is_saved(state)) return std::nullopt;
   return entry.get(state);
 }

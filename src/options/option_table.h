@@ -32,7 +32,9 @@ using OptionValue = std::variant<bool, int64_t, double, std::string, OptionReals
 enum class OptionForm {
   kFlag,       // (bool)
   kWhole,      // a whole number within the limits (int64_t)
+  kBytes,      // as kWhole; a command line may give a unit, as in 512M
   kNumber,     // a number within the limits (double)
+  kSeconds,    // as kNumber; a command line may give a unit, as in 500ms
   kWord,       // one of `words` (std::string)
   kText,       // (std::string)
   kFile,       // the name of a file (std::string)
@@ -66,13 +68,15 @@ struct OptionKind {
   std::string_view bare = {};
 };
 
-// The object of a saved view that an option is in: "camera", "look", or the view itself.
-enum class OptionPart { kCamera, kLook, kTop };
+// The object of a saved view that an option is in: "camera", "look", or the view itself. kPicture:
+// none; the option says how one picture is made, and views are saved and printed without it.
+enum class OptionPart { kCamera, kLook, kTop, kPicture };
 
 // Headings of --help.
 inline constexpr std::string_view kViewHeading = "View", kLookHeading = "Look",
                                   kPartsHeading = "Channels, labels, surfaces",
-                                  kLightHeading = "Light", kDrawingHeading = "Drawing";
+                                  kLightHeading = "Light", kDrawingHeading = "Drawing",
+                                  kLevelsHeading = "Levels of resolution";
 
 struct OptionEntry {
   const char* key = "";          // the name in that object

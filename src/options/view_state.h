@@ -13,8 +13,9 @@
 
 namespace sluice {
 
-// The picture's size, levels and time limit are the window's or the command's; they keep their
-// defaults here. `view` has eye, target and up once a volume is open (Renderer::placed()).
+// The picture's size is the window's or the command's, and keeps its default here. So do a window's
+// options of one picture (OptionPart::kPicture). `view` has eye, target and up once a volume is
+// open (Renderer::placed()).
 struct ViewState : PictureOptions {
   LookOptions look;
   std::optional<std::array<float, 3>> background;  // unset: pictures that are saved keep alpha

@@ -24,7 +24,7 @@ AskedView addPictures(CLI::App& app, BenchArguments& arguments) {
   addVolumeOptions(app, arguments.volume);
   addLookOptions(app, asked, arguments.look, arguments.frame);
   addViewOptions(app, asked, arguments.frame);
-  addFrameOptions(app, arguments.frame);
+  addFrameOptions(app, asked, arguments.frame);
   addResourceOptions(app, arguments.resources);
   return asked;
 }

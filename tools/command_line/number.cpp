@@ -5,6 +5,8 @@
 #include <charconv>
 #include <cmath>
 
+#include "src/base/values/bytes.h"
+
 namespace sluice {
 namespace {
 
@@ -48,6 +50,18 @@ std::optional<int64_t> parseWhole(const std::string& text) {
 
 std::optional<uint64_t> parseUnsigned(const std::string& text) {
   return parseAll<uint64_t>(text);
+}
+
+std::optional<int64_t> parseByteSize(const std::string& text) {
+  const std::optional<uint64_t> bytes = parseBytes(text);
+  return bytes && *bytes > 0 ? std::optional(static_cast<int64_t>(*bytes)) : std::nullopt;
+}
+
+std::optional<double> parseSeconds(std::string text) {
+  const bool is_in_ms = text.ends_with("ms");
+  text.resize(text.size() - (is_in_ms ? 2 : text.ends_with('s') ? 1 : 0));
+  const std::optional<double> number = parseReal(text);
+  return number ? std::optional(*number * (is_in_ms ? 1e-3 : 1)) : std::nullopt;
 }
 
 std::string rangeText(const NumberRange<double>& range) {

@@ -15,6 +15,11 @@ namespace sluice {
 std::optional<double> parseReal(const std::string& text);
 std::optional<int64_t> parseWhole(const std::string& text);
 std::optional<uint64_t> parseUnsigned(const std::string& text);
+// "512M": a size above 0, in the words of kByteSizes.
+std::optional<int64_t> parseByteSize(const std::string& text);
+inline constexpr const char* kByteSizes = "a size above 0 and below 8 EiB, as in 512M or 4G";
+// "0.5", "1s" or "500ms".
+std::optional<double> parseSeconds(std::string text);
 
 // "a number above 0, up to 1", "a whole number from 1 to 100000"; an end that is the type's own is
 // left out.

@@ -5,7 +5,6 @@
 #include <iterator>
 #include <sstream>
 
-#include "src/base/values/bytes.h"
 #include "tools/command_line/help.h"
 #include "tools/command_line/near_miss.h"
 #include "tools/command_line/parse.h"
@@ -80,13 +79,9 @@ CLI::Option* OptionGroup::numbers(const std::string& names, const std::string& w
 
 CLI::Option* OptionGroup::bytes(const std::string& names, uint64_t& target,
                                 const std::string& help) const {
-  const auto parse = [](const std::string& word) {
-    const auto size = parseBytes(word);
-    return size && *size > 0 ? size : std::nullopt;
-  };
   return parsed(
-      names, "BYTES", "a size above 0 and below 8 EiB, as in 512M or 4G", parse,
-      [&target](uint64_t size) { target = size; }, help);
+      names, "BYTES", kByteSizes, parseByteSize,
+      [&target](int64_t size) { target = static_cast<uint64_t>(size); }, help);
 }
 
 CLI::Option* OptionGroup::text(const std::string& names, const std::string& what,

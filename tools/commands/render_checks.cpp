@@ -35,8 +35,7 @@ bool isExr(const Arguments& arguments) {
 }
 
 PictureArguments pictureOf(const Arguments& arguments) {
-  return {arguments.look, arguments.frame, arguments.culling, arguments.levels,
-          arguments.resources};
+  return {arguments.look, arguments.frame, arguments.culling, arguments.resources};
 }
 
 // At most one a level, and one more that the time ends.

@@ -52,7 +52,7 @@ int run(Arguments& arguments, CLI::App& app, Team* team) {
     if (saved->film && asksForFilm(arguments)) {
       if (team != nullptr)
         fail("{}: a single process must draw the frames of a path", arguments.state_file);
-      refuseLevels(arguments.levels,
+      refuseLevels(arguments.frame.cut,
                    "frames of a saved path are drawn at the default levels, as in the window");
       return writeFilm(arguments, app, *saved);
     }
@@ -211,14 +211,14 @@ Command addRender(CLI::App& program) {
   addQuietOption(output, arguments->resources.quiet);
   addJsonOption(output, arguments->json, "Prints the report instead of a summary");
   arguments->asked = addPictureOptions(*app, arguments->look, arguments->frame, arguments->fit);
-  addFrameOptions(*app, arguments->frame);
-  addTimeLimit(*app, arguments->frame);
+  addFrameOptions(*app, arguments->asked, arguments->frame);
+  addTimeLimit(*app, arguments->asked, arguments->frame);
   addCullingOptions(*app, arguments->culling, true);
   OptionGroup(*app, kSeriesHeading)
       .rare()
       .flag("--continue", arguments->resume,
             "Draws only the pictures that do not exist yet; give the same options");
-  addLevelOptions(*app, arguments->levels, arguments->resources);
+  addLevelOptions(*app, arguments->asked, arguments->frame, arguments->resources);
   addResourceOptions(*app, arguments->resources);
   return
       [arguments, app] { return onRanks([&](Team* team) { return run(*arguments, *app, team); }); };

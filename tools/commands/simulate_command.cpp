@@ -140,14 +140,12 @@ Command addSimulate(CLI::App& program) {
   const size_t before = app->get_options().size();
   addVolumeOptions(*app, turn.volume);
   addOverOption(*app, turn.volume);
-  addPictureOptions(*app, turn.look, turn.frame, turn.fit);
-  addFrameOptions(*app, turn.frame);
-  addTimeLimit(*app, turn.frame);
-  addLevelOptions(*app, turn.levels, turn.resources);
-  // These options leave out data depending on the picture or on the clock, which a simulation
-  // lacks.
-  for (const char* name : {"--occlusion", "--time-limit"})
-    app->remove_option(app->get_option(name));
+  const AskedView asked = addPictureOptions(*app, turn.look, turn.frame, turn.fit);
+  addFrameOptions(*app, asked, turn.frame);
+  addLevelOptions(*app, asked, turn.frame, turn.resources);
+  // It leaves out data depending on the picture, which a simulation lacks, as it lacks a clock for
+  // --time-limit.
+  app->remove_option(app->get_option("--occlusion"));
   const OptionGroup replay(*app, "Simulation");
   addFramesOption(replay, turn.frames, "Volume: views of the turn");
   replay.flag("--fixed-plan", turn.is_plan_fixed,

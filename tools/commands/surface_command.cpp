@@ -32,7 +32,6 @@ struct SurfaceArguments {
   VolumeArguments volume;
   ResourceArguments resources;
   SurfaceOptions surface;
-  std::optional<int64_t> level;
   std::string output, report_file;
   bool force = false;
   bool json = false;
@@ -72,7 +71,6 @@ int run(SurfaceArguments& arguments, const CLI::App& app) {
   if (!arguments.report_file.empty())
     outputs.writes("--report", arguments.report_file, reportKind(arguments.report_file));
   Workers pool(arguments.resources.threads);
-  arguments.surface.level = arguments.level.value_or(0);
   const IndexedVolume volume = openIndexed(arguments.volume, arguments.resources,
                                            surfaceNeeds(arguments.surface), pool, outputs);
   MeshFile file(arguments.output, format,
@@ -124,13 +122,16 @@ Command addSurface(CLI::App& program) {
                "Closes the surface along the border of the volume or the crop");
   const auto asked = std::make_shared<ViewState>();
   const auto take = [arguments](const ViewState& state) {
-    const auto& [lo, hi] = *state.crop;
-    arguments->surface.crop = Box3{{lo[0], lo[1], lo[2]}, {hi[0], hi[1], hi[2]}};
+    if (state.crop) {
+      const auto& [lo, hi] = *state.crop;
+      arguments->surface.crop = Box3{{lo[0], lo[1], lo[2]}, {hi[0], hi[1], hi[2]}};
+    }
+    arguments->surface.level = state.level.value_or(0);
   };
-  TableOptions(*app, asked, take).add("--crop", "", "Surface");
-  const OptionGroup levels(*app, kLevelsHeading);
-  addLevelOption(levels, arguments->level, "Level of resolution; 0 is the data as stored");
-  addLevelsOption(levels, arguments->resources);
+  const TableOptions table(*app, asked, take);
+  table.add("--crop", "", "Surface");
+  table.add("--level")->description("Level of resolution; 0 is the data as stored");
+  addLevelsOption(OptionGroup(*app, std::string(kLevelsHeading)), arguments->resources);
   const OptionGroup output(*app, kOutputHeading);
   output
       .text("-o,--output", "FILE", arguments->output,

@@ -33,15 +33,6 @@ struct CullingArguments {
   std::string basis;          // files of transfer functions with commas between; empty: none
 };
 
-// The levels of resolution at which a volume that has several is drawn; none set: the default cut,
-// see cutOptions().
-struct LevelArguments {
-  std::optional<int64_t> level;
-  std::optional<double> pixel_error;  // unset: 1
-  uint64_t max_bytes = 0;             // 0: no limit
-  bool keeps_thin = false;            // blocks with thin parts are refined
-};
-
 struct ResourceArguments : MachineOptions {
   std::string index_dir;  // folder for the indices of all volumes; empty: see
                           // tools/command_line/environment.h

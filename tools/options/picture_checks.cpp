@@ -32,15 +32,15 @@ void checkPicture(const PictureArguments& picture) {
 std::optional<CutOptions> cutOf(const PictureArguments& picture, bool refines, PictureRow row) {
   if (picture.culling.culling != Culling::kNone) {
     // Culling knows the blocks of the finest level alone.
-    refuseLevels(picture.levels, "--culling draws the finest level alone");
+    refuseLevels(picture.frame.cut, "--culling draws the finest level alone");
     return std::nullopt;
   }
-  LevelArguments levels = picture.levels;
+  FrameOptions frame = picture.frame;
   // Pictures that get better begin with any level, also with levels that are made for them. Other
   // modes take levels that are there.
-  if (refines && !levels.level && traitsOf(picture.frame.mode).has_colors && !picture.look.labels)
-    levels.pixel_error = levels.pixel_error.value_or(CutOptions().pixel_error);
-  return cutOptions(levels, picture.resources, picture.look, picture.frame, row);
+  if (refines && frame.cut && traitsOf(frame.mode).has_colors && !picture.look.labels)
+    frame.cut->is_default = false;
+  return cutOptions(picture.resources, picture.look, frame, row);
 }
 
 }  // namespace sluice

@@ -9,12 +9,11 @@
 
 namespace sluice {
 
-// The options of a picture.
+// The options of a picture; `frame.cut` is the cut that is asked for (addLevelOptions()).
 struct PictureArguments {
   const LookArguments& look;
   const FrameOptions& frame;
   const CullingArguments& culling;
-  const LevelArguments& levels;
   const ResourceArguments& resources;
 };
 

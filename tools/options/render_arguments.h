@@ -18,7 +18,6 @@ struct RenderArguments {
   VolumeArguments volume;
   LookArguments look;
   FrameOptions frame;
-  LevelArguments levels;
   ResourceArguments resources;
   FitChoice fit;
   AskedView asked;
@@ -55,7 +54,7 @@ inline bool isSeries(const RenderArguments& arguments) {
 
 // Whether a frame of a volume with levels is a row of pictures that get better.
 inline bool asksForRefinement(const RenderArguments& arguments) {
-  return (arguments.frame.time_limit_s || arguments.progressive) && arguments.levels.level != 0;
+  return (arguments.frame.time_limit_s || arguments.progressive) && arguments.asked->level != 0;
 }
 
 inline bool wantsReport(const RenderArguments& arguments) {

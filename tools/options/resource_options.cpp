@@ -122,8 +122,9 @@ void takeIdleOptions(CLI::App& app) {
   ResourceArguments resources;
   FrameOptions frame;
   addResourceOptions(drawing, resources);
-  addFrameOptions(drawing, frame);
-  addTimeLimit(drawing, frame);
+  const auto asked = std::make_shared<ViewState>();
+  addFrameOptions(drawing, asked, frame);
+  addTimeLimit(drawing, asked, frame);
   for (const CLI::Option* option : drawing.get_options()) {
     const std::string name = option->get_name();
     if (app.get_option_no_throw(name) != nullptr) continue;

@@ -29,13 +29,16 @@ void addLookOptions(CLI::App& app, const AskedView& asked, LookArguments& look,
 // The groups View (the camera), Light and Drawing (what a picture shows).
 void addViewOptions(CLI::App& app, const AskedView& asked, FrameOptions& options);
 // The rest of the group Drawing: how a frame comes about.
-void addFrameOptions(CLI::App& app, FrameOptions& options);
+void addFrameOptions(CLI::App& app, const AskedView& asked, FrameOptions& options);
 // --time-limit, not for benches: a frame that ends at its limit measures the limit.
-void addTimeLimit(CLI::App& app, FrameOptions& options);
+void addTimeLimit(CLI::App& app, const AskedView& asked, FrameOptions& options);
 // Look, view and fit of the commands that choose a good first picture.
 AskedView addPictureOptions(CLI::App& app, LookArguments& look, FrameOptions& frame,
                             FitChoice& fit);
-void addLevelOptions(CLI::App& app, LevelArguments& arguments, ResourceArguments& resources);
+// Sets `frame.cut` to the cut that is asked for: the default, voxels as wide as pixels, without any
+// of these options.
+void addLevelOptions(CLI::App& app, const AskedView& asked, FrameOptions& frame,
+                     ResourceArguments& resources);
 // The group of memory and device, for commands that draw as `render` does.
 void addResourceOptions(CLI::App& app, ResourceArguments& arguments);
 // The part of it for commands that only read a volume and its index.
@@ -49,22 +52,18 @@ void takeIdleOptions(CLI::App& app);
 std::optional<Vec3i> parsePageOption(const std::string& word);
 inline constexpr const char* kPageSizes = "powers of two AxBxC, each from 1 to 1024";
 
-// The cut that a picture of these options is drawn from: the one that is asked for, or the default,
-// voxels as wide as pixels. Unset: the finest level, asked for or because the default does not
-// apply.
-std::optional<CutOptions> cutOptions(const LevelArguments& arguments,
-                                     const ResourceArguments& resources, const LookArguments& look,
+// The cut that a picture of these options is drawn from, within the memory: the one that
+// `frame.cut` asks for. Unset: the finest level, asked for or because the default does not apply.
+std::optional<CutOptions> cutOptions(const ResourceArguments& resources, const LookArguments& look,
                                      const FrameOptions& frame, PictureRow row);
-// Throws Error with this reason if the arguments ask for anything but the finest level.
-void refuseLevels(const LevelArguments& arguments, std::string_view why);
+// Throws Error with this reason if anything but the finest level is asked for.
+void refuseLevels(const std::optional<CutOptions>& asked, std::string_view why);
 
 // The largest extent of a volume along an axis, in voxels.
 inline constexpr double kMostVoxels = 1LL << 40;
 
 // Some of the last group, for commands that take no more.
 inline constexpr int64_t kMostFrames = 100'000;
-void addLevelOption(const OptionGroup& group, std::optional<int64_t>& level,
-                    const std::string& help);
 void addLevelsOption(const OptionGroup& group, MachineOptions& machine);
 void addThreadsOption(const OptionGroup& group, int& threads);
 void addMemoryOption(const OptionGroup& group, MachineOptions& machine);
@@ -100,7 +99,6 @@ CLI::Option* addTypeOption(const OptionGroup& group, const std::vector<VoxelType
 
 inline constexpr const char* kOutputHeading = "Output";
 inline constexpr const char* kSeriesHeading = "Series";
-inline constexpr const char* kLevelsHeading = "Levels of resolution";
 inline constexpr const char* kMachineHeading = "Memory and device";
 
 }  // namespace sluice

@@ -57,8 +57,14 @@ std::optional<OptionValue> wholesOf(const OptionReals& numbers) {
 // The value that a word of the entry's form says, in range or not; nullopt: it is no such word.
 std::optional<OptionValue> readWord(const OptionEntry& entry, const std::string& word) {
   switch (entry.kind.form) {
+    case OptionForm::kWhole:
+      return parseWhole(word);
+    case OptionForm::kBytes:
+      return parseByteSize(word);
     case OptionForm::kNumber:
       return parseReal(word);
+    case OptionForm::kSeconds:
+      return parseSeconds(word);
     case OptionForm::kWord:
       return word;
     case OptionForm::kFile:
@@ -117,8 +123,14 @@ std::string expectedOf(const OptionEntry& entry) {
           kMostSurfaces);
     case OptionForm::kPoints:
       return "pairs V:A of values, ascending, and opacities from 0 to 1";
+    case OptionForm::kWhole:
+      return "a whole " + range.substr(std::string_view("a ").size());
+    case OptionForm::kBytes:
+      return kByteSizes;
     case OptionForm::kNumber:
       return range;
+    case OptionForm::kSeconds:
+      return range + ", also with a unit, as in 1s or 500ms";
     default:
       return fmt::format("{}, each {}", entry.value, range);
   }

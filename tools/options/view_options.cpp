@@ -15,17 +15,15 @@ Box3 cropOf(const PictureOptions::Box& box) {
   return {{box.lo[0], box.lo[1], box.lo[2]}, {box.hi[0], box.hi[1], box.hi[2]}};
 }
 
-// "0.5", "1s" or "500ms".
-std::optional<double> parseSeconds(std::string word) {
-  double unit = 1;
-  if (word.ends_with("ms")) {
-    unit = 1e-3;
-    word.resize(word.size() - 2);
-  } else if (word.ends_with("s")) {
-    word.resize(word.size() - 1);
-  }
-  const std::optional<double> number = parseIn<double>(word, {0, 1e9});
-  return number ? std::optional(*number * unit) : std::nullopt;
+// Options that say how a frame is drawn.
+TableOptions frameTable(CLI::App& app, const AskedView& asked, FrameOptions& options) {
+  return {app, asked, [&options](const ViewState& state) {
+            setDrawing(state, options);
+            if (state.crop) options.crop = cropOf(*state.crop);
+            options.clip_planes.clear();
+            for (const auto& [n, offset] : state.clip_planes)
+              options.clip_planes.push_back({{n[0], n[1], n[2]}, offset});
+          }};
 }
 
 void addCameraOptions(CLI::App& app, const AskedView& asked, Camera& camera) {
@@ -62,13 +60,7 @@ void addDrawingOptions(CLI::App& app, const AskedView& asked, FrameOptions& opti
           "-s,--size", "WxH", "WxH or one number for both, each from 1 to 65536", parsePictureSize,
           [&options](PictureSize size) { options.size = size; }, "Pixels",
           fmt::format("{}x{}", options.size.width, options.size.height));
-  const TableOptions table(app, asked, [&options](const ViewState& state) {
-    setDrawing(state, options);
-    if (state.crop) options.crop = cropOf(*state.crop);
-    options.clip_planes.clear();
-    for (const auto& [n, offset] : state.clip_planes)
-      options.clip_planes.push_back({{n[0], n[1], n[2]}, offset});
-  });
+  const TableOptions table = frameTable(app, asked, options);
   table.add("--step", numberText(options.step_vox));
   table.addRest(kDrawingHeading, OptionPart::kTop);
   table.addRest(kLightHeading, OptionPart::kTop);
@@ -76,7 +68,7 @@ void addDrawingOptions(CLI::App& app, const AskedView& asked, FrameOptions& opti
 
 }  // namespace
 
-void addFrameOptions(CLI::App& app, FrameOptions& options) {
+void addFrameOptions(CLI::App& app, const AskedView& asked, FrameOptions& options) {
   const OptionGroup rare = OptionGroup(app, std::string(kDrawingHeading)).rare();
   rare.choice(
       "--algorithm", wordsOf<Algorithm>(kAlgorithms, [](Algorithm each) { return name(each); }),
@@ -94,19 +86,11 @@ void addFrameOptions(CLI::App& app, FrameOptions& options) {
               options.occlusion,
               "Skips hidden parts: cull skips hidden boxes, clip also skips hidden parts of "
               "boxes; map makes the opacity map but skips nothing");
-  rare.number("--opacity-threshold", "A", options.opacity_threshold, {0, 1, true},
-              "Opacity from which a ray hides everything behind it; 1 changes no picture (1; with "
-              "--occlusion or --culling 0.95)");
+  frameTable(app, asked, options).add("--opacity-threshold");
 }
 
-void addTimeLimit(CLI::App& app, FrameOptions& options) {
-  const OptionGroup group(app, std::string(kDrawingHeading));
-  group.parsed(
-      "--time-limit", "SECONDS", "a number from 0 to 1e+09, also with a unit, as in 1s or 500ms",
-      parseSeconds, [&options](double seconds) { options.time_limit_s = seconds; },
-      "Draws the best picture that this time allows, counted from the start. Of a volume without "
-      "levels of resolution, blocks that are not read in time are left out, and the missing share "
-      "is printed (waits for all)");
+void addTimeLimit(CLI::App& app, const AskedView& asked, FrameOptions& options) {
+  frameTable(app, asked, options).add("--time-limit");
 }
 
 void addViewOptions(CLI::App& app, const AskedView& asked, FrameOptions& options) {

@@ -38,7 +38,6 @@ struct PlanArguments {
   VolumeArguments volume;
   LookArguments look;
   FrameOptions frame;
-  LevelArguments levels;
   CullingArguments culling;
   ResourceArguments resources;
   FitChoice fit;
@@ -93,8 +92,7 @@ OpenedPicture openPlanned(const PlanArguments& arguments, FinestLevel finest,
 }
 
 PictureArguments pictureOf(const PlanArguments& arguments) {
-  return {arguments.look, arguments.frame, arguments.culling, arguments.levels,
-          arguments.resources};
+  return {arguments.look, arguments.frame, arguments.culling, arguments.resources};
 }
 
 // The same refusals as of a picture that is drawn, and those of a plan. Throws Error.
@@ -103,7 +101,7 @@ void check(const PlanArguments& arguments) {
   if (arguments.culling.culling == Culling::kAuto)
     fail("--culling auto measures pictures; plan takes none, pof, opof or toc");
   if (arguments.frame.partition == Partition::kBoxes)
-    refuseLevels(arguments.levels, "--partition boxes plans the finest level alone");
+    refuseLevels(arguments.frame.cut, "--partition boxes plans the finest level alone");
 }
 
 // The plan of a picture of which nothing is known before all of the volume is read.
@@ -140,7 +138,7 @@ int run(const PlanArguments& asked, const CLI::App& app) {
   check(arguments);
   arguments.look.whole_series = arguments.culling.culling != Culling::kNone;
   // A picture with a time limit is a row of pictures that get better.
-  const bool refines = arguments.frame.time_limit_s && arguments.levels.level != 0;
+  const bool refines = arguments.frame.time_limit_s && arguments.frame.cut;
   arguments.frame.cut =
       cutOf(pictureOf(arguments), refines, refines ? PictureRow::kMore : PictureRow::kOne);
   Outputs outputs(arguments.force);
@@ -220,11 +218,12 @@ Command addPlan(CLI::App& program) {
       "  sluice plan bonsai.nii.gz --threshold 40 --partition boxes");
   addVolumeOptions(*app, arguments->volume);
   addOverOption(*app, arguments->volume);
-  addPictureOptions(*app, arguments->look, arguments->frame, arguments->fit);
-  addFrameOptions(*app, arguments->frame);
-  addTimeLimit(*app, arguments->frame);
+  const AskedView asked =
+      addPictureOptions(*app, arguments->look, arguments->frame, arguments->fit);
+  addFrameOptions(*app, asked, arguments->frame);
+  addTimeLimit(*app, asked, arguments->frame);
   addCullingOptions(*app, arguments->culling, true);
-  addLevelOptions(*app, arguments->levels, arguments->resources);
+  addLevelOptions(*app, asked, arguments->frame, arguments->resources);
   addResourceOptions(*app, arguments->resources);
   const OptionGroup output(*app, kOutputHeading);
   addReportOption(output, arguments->report_file);

@@ -20,7 +20,6 @@ struct TurnArguments {
   VolumeArguments volume;
   LookArguments look;
   FrameOptions frame;
-  LevelArguments levels;
   ResourceArguments resources;
   FitChoice fit;
   int64_t frames = 36;

@@ -169,8 +169,10 @@ OptionValue valueOf(const OptionEntry& entry, const JsonField& field) {
     case OptionForm::kFlag:
       return field.flag();
     case OptionForm::kWhole:
+    case OptionForm::kBytes:
       return field.whole();
     case OptionForm::kNumber:
+    case OptionForm::kSeconds:
       return field.number();
     case OptionForm::kWord:
       return std::string(entry.kind.words[wordOf(field, entry.kind.words)]);
