@@ -66,6 +66,17 @@ TEST_F(SavedView, keyFramesNeedNoUp) {
   EXPECT_TRUE(program_.exists("f_2.png"));
 }
 
+TEST_F(SavedView, framesOfAPathRefuseTheOptionsOfOnePicture) {
+  write("film.json", R"({"sluice": "view", "path": {"kind": "turn", "frames": 2}})");
+  for (const std::string option :
+       {"--algorithm merged", "--level 0", "--level 1", "--pixel-error 2", "--max-bytes 1M",
+        "--keep-thin", "--time-limit 1", "--opacity-threshold 0.5"})
+    EXPECT_EQ(render(std::string(kStateVolume) + " --state film.json -o f_%d.png " + option).output,
+              "sluice: " + option.substr(0, option.find(' ')) +
+                  ": frames of the path in film.json do not take it; give -o a name without a "
+                  "number for one picture\n");
+}
+
 TEST_F(SavedView, aVolumeWhoseNameIsNoUtf8IsFound) {
   ASSERT_EQ(program_.run("synth shells --dims 12x12x12 -o plain.nrrd -q").status, 0);
   std::filesystem::rename(program_.folder / "plain.nrrd", program_.folder / "caf\xe9.nrrd");

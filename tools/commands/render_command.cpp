@@ -52,8 +52,6 @@ int run(Arguments& arguments, CLI::App& app, Team* team) {
     if (saved->film && asksForFilm(arguments)) {
       if (team != nullptr)
         fail("{}: a single process must draw the frames of a path", arguments.state_file);
-      refuseLevels(arguments.frame.cut,
-                   "frames of a saved path are drawn at the default levels, as in the window");
       return writeFilm(arguments, app, *saved);
     }
   }

@@ -24,38 +24,20 @@
 namespace sluice {
 namespace {
 
-// Options about how a picture is drawn or reported, as opposed to what it shows.
-constexpr std::array<std::string_view, 28> kOfOnePicture{"--annotate",
-                                                         "--aov",
-                                                         "--trace",
-                                                         "--report",
-                                                         "--debug-view",
-                                                         "--verify",
-                                                         "--json",
-                                                         "--culling",
-                                                         "--algorithm",
-                                                         "--page",
-                                                         "--pages",
-                                                         "--block",
-                                                         "--partition",
-                                                         "--occlusion",
-                                                         "--policy",
-                                                         "--seed",
-                                                         "--basis",
-                                                         "--directions",
-                                                         "--opacity-threshold",
-                                                         "--time-limit",
-                                                         "--simd",
-                                                         "--gl",
-                                                         "--part",
-                                                         "--detail",
-                                                         "--this-step",
-                                                         "--path",
-                                                         "--fit",
-                                                         "--difference"};
+// Options about how a picture is drawn or reported, as opposed to what it shows, besides those of
+// OptionPart::kPicture.
+constexpr std::array<std::string_view, 26> kOfOnePicture{
+    "--annotate",  "--aov",       "--trace",     "--report", "--debug-view", "--verify",
+    "--json",      "--culling",   "--algorithm", "--page",   "--pages",      "--block",
+    "--partition", "--occlusion", "--policy",    "--seed",   "--basis",      "--directions",
+    "--simd",      "--gl",        "--part",      "--detail", "--this-step",  "--path",
+    "--fit",       "--difference"};
 
 void checkOptions(const RenderArguments& arguments, const CLI::App& app) {
-  for (const std::string_view name : kOfOnePicture) {
+  std::vector<std::string_view> names(kOfOnePicture.begin(), kOfOnePicture.end());
+  for (const OptionEntry& entry : optionTable())
+    if (entry.part == OptionPart::kPicture) names.push_back(entry.option);
+  for (const std::string_view name : names) {
     const CLI::Option* option = app.get_option_no_throw(std::string(name));
     if (option != nullptr && option->count() > 0)
       fail(
