@@ -7,7 +7,6 @@
 
 #include "src/annotate/annotate.h"
 #include "src/base/error.h"
-#include "src/library/opening/thick_source.h"
 #include "tools/command_line/console.h"
 #include "tools/commands/commands.h"
 #include "tools/commands/render_checks.h"
@@ -28,17 +27,12 @@ using Arguments = RenderArguments;
 // Options that were given for nothing, one line each.
 void warnOfIdleOptions(const Arguments& arguments, const std::set<std::string>& given,
                        const Scene& scene) {
-  PictureFacts facts{arguments.look, arguments.frame, arguments.culling, arguments.resources};
+  PictureFacts facts = pictureFacts(arguments.look, arguments.frame, arguments.culling,
+                                    arguments.resources, scene.looks());
   const auto layers = scene.layers();
   facts.is_film = isFilmName(arguments.output);
   facts.is_lit = std::ranges::any_of(layers, [](const Layer* each) { return each->look.lit; });
   facts.integrates = scene.integrates(arguments.frame);
-  facts.shows_labels = scene.look.transfer.labels;
-  facts.layers = layers.size();
-  facts.time_steps = storedLayout(*scene.volume.source).time_steps;
-  facts.levels = 1;
-  for (const Layer* each : layers)
-    facts.levels = std::max(facts.levels, each->volume.step().coarser.size() + 1);
   for (const std::string& line : idleOptions(given, facts))
     printWarning(fmt::format("{}: {}", scene.volume.name, line));
 }

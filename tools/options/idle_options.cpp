@@ -6,6 +6,8 @@
 #include <span>
 #include <string_view>
 
+#include "src/library/opening/thick_source.h"
+
 namespace sluice {
 namespace {
 
@@ -97,6 +99,19 @@ std::set<std::string> givenOptions(const CLI::App& app) {
   for (const CLI::Option* option : app.get_options())
     if (option->count() > 0) given.insert(option->get_name());
   return given;
+}
+
+PictureFacts pictureFacts(const LookArguments& look, const FrameOptions& frame,
+                          const CullingArguments& culling, const MachineOptions& machine,
+                          const std::vector<LayerLook>& layers) {
+  PictureFacts facts{look, frame, culling, machine};
+  facts.shows_labels = layers.front().transfer->labels;
+  facts.layers = layers.size();
+  facts.time_steps = storedLayout(*layers.front().volume->source).time_steps;
+  facts.levels = 1;
+  for (const LayerLook& layer : layers)
+    facts.levels = std::max(facts.levels, layer.volume->step().coarser.size() + 1);
+  return facts;
 }
 
 std::vector<std::string> idleOptions(const std::set<std::string>& given, const Facts& facts) {

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "src/library/drawing/channel_shares.h"
 #include "src/library/requests.h"
 #include "src/render/camera/frame_options.h"
 #include "tools/command_line/option_group.h"
@@ -34,6 +35,12 @@ struct PictureFacts {
   int64_t time_steps = 2;
   size_t levels = 2;  // of resolution, that pictures are drawn from
 };
+
+// The facts that the options and the layers' volumes tell; the others are as for a film that is
+// drawn.
+PictureFacts pictureFacts(const LookArguments& look, const FrameOptions& frame,
+                          const CullingArguments& culling, const MachineOptions& machine,
+                          const std::vector<LayerLook>& layers);
 
 // "--fov changes nothing with an orthographic camera; ...", a line for each idle option.
 std::vector<std::string> idleOptions(const std::set<std::string>& given, const PictureFacts& facts);

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "src/library/opening/thick_source.h"
 #include "tools/options/idle_options.h"
 
 namespace sluice {
@@ -57,17 +56,10 @@ bool mustReadFinest(const OpenedPicture& picture, const FrameOptions& frame, Wor
 std::vector<std::string> idleOptions(const std::set<std::string>& given, const LookArguments& look,
                                      const FrameOptions& frame, const CullingArguments& culling,
                                      const MachineOptions& machine, const OpenedPicture& opened) {
-  const IndexedVolume& first = opened.volumes.front();
-  PictureFacts facts{look, frame, culling, machine};
+  PictureFacts facts = pictureFacts(look, frame, culling, machine, opened.looks());
   facts.is_drawn = false;
-  facts.shows_labels = opened.transfers.front().labels;
-  facts.layers = opened.volumes.size();
-  facts.time_steps = storedLayout(*first.source).time_steps;
-  facts.levels = 1;
-  for (const IndexedVolume& volume : opened.volumes)
-    facts.levels = std::max(facts.levels, volume.step().coarser.size() + 1);
   std::vector<std::string> lines = idleOptions(given, facts);
-  for (std::string& line : lines) line = fmt::format("{}: {}", first.name, line);
+  for (std::string& line : lines) line = fmt::format("{}: {}", opened.volumes.front().name, line);
   return lines;
 }
 
