@@ -108,6 +108,10 @@ class Renderer {
   PicturePlan plan(const PictureOptions& picture = {}, const ProgressFunction& progress = {},
                    const std::stop_token& stop = {});
 
+  // How draw() samples a picture with these options and the look as it is. Throws as draw() does.
+  PictureSampling sampling(const PictureOptions& picture = {},
+                           const ProgressFunction& progress = {}, const std::stop_token& stop = {});
+
   // The place that first hides what lies behind it, along the ray through a point of the picture (0
   // to 1, to the right and down): where half of the light is gone, or, if more passes, where most
   // was taken. In maximum and minimum modes, the place of the extreme. nullopt: nothing shows

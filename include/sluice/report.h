@@ -51,6 +51,13 @@ struct RenderReport {
   std::vector<uint8_t> block_classes;
 };
 
+// How a picture that was not drawn yet will be sampled.
+struct PictureSampling {
+  // See PictureOptions. Surfaces, thin parts and short time limits may change it as they are drawn.
+  double step_vox = 1;
+  bool from_levels = false;  // parts of it may show coarser levels of resolution
+};
+
 // The cost of a picture that was not drawn yet.
 struct PicturePlan {
   // Blocks that are empty, trimmed and full.

@@ -155,6 +155,14 @@ PicturePlan Renderer::plan(const PictureOptions& picture, const ProgressFunction
   });
 }
 
+PictureSampling Renderer::sampling(const PictureOptions& picture, const ProgressFunction& progress,
+                                   const std::stop_token& stop) {
+  return impl().on([&](Drawing& drawing) {
+    ProgressTeller teller(progress, stop);
+    return drawing.sampling(picture, teller);
+  });
+}
+
 std::optional<VoxelProbe> Renderer::probe(const PictureOptions& picture, double right, double down,
                                           const std::stop_token& stop) {
   return impl().on([&](Drawing& drawing) {

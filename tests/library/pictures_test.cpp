@@ -187,6 +187,32 @@ TEST(Renderer, picturesWithATimeLimitBeginCoarseAndEndAsTheOneWithout) {
   EXPECT_FALSE(renderer.report().will_improve);
 }
 
+TEST(Renderer, theSamplingOfAPictureIsKnownBeforeItIsDrawn) {
+  const Volume volume("synth:shells,dims=120x110x100,levels=4");
+  const std::vector<LookOptions> looks = {
+      {.threshold = 90, .light = LookOptions::Light::kOn},
+      {.threshold = 90, .light = LookOptions::Light::kOff},
+      {.surfaces = {{.value = 90}}},
+      {.mode = LookOptions::Mode::kAverage},
+      {.label_looks = {{.first = 90, .last = 90, .color = "green"}}}};
+  std::vector<PictureOptions> pictures(5, kSmall);
+  pictures[1].view.zoom = 20;
+  pictures[2].level = 0;
+  pictures[3].quality = PictureOptions::Quality::kHigh;
+  pictures[4].step_vox = 3;
+  for (size_t i = 0; i < looks.size(); ++i) {
+    Renderer renderer(volume, looks[i]);
+    for (size_t j = 0; j < pictures.size(); ++j) {
+      SCOPED_TRACE(testing::Message() << "look " << i << ", picture " << j);
+      const PictureSampling sampling = renderer.sampling(pictures[j]);
+      renderer.draw(pictures[j]);
+      const bool is_cut_short = !looks[i].surfaces.empty() && pictures[j].step_vox;
+      EXPECT_EQ(is_cut_short ? 1 : sampling.step_vox, renderer.report().step_vox);
+      EXPECT_EQ(sampling.from_levels, !renderer.report().levels.empty());
+    }
+  }
+}
+
 TEST(Renderer, aTurnHasOneFramingAsTheProgramsHas) {
   const TempFolder folder;
   const Volume volume(kShells);

@@ -85,10 +85,6 @@ void Drawing::setLook(const LookOptions& look) {
   ++looks_;
 }
 
-std::string Drawing::deviceName() const {
-  return fmt::format("{}, {}", scene_.device->backend(), scene_.device->renderer());
-}
-
 std::vector<TimeStep> Drawing::stepsAt(int64_t time, const IndexPass& pass) {
   requireStep(time, layout());
   return *steps_[static_cast<size_t>(time % 2)].of(time, [&] {
@@ -360,6 +356,14 @@ PicturePlan Drawing::plan(const PictureOptions& picture, ProgressTeller& teller)
   const Reading reading(*this, teller);
   const std::vector<TimeStep> steps = stepsAt(picture.time, reading.pass);
   return planOf(scene_, steps, looked(picture, steps.front(), reading.pass));
+}
+
+PictureSampling Drawing::sampling(const PictureOptions& picture, ProgressTeller& teller) {
+  refuseInSitu("sampling()");
+  const Reading reading(*this, teller);
+  const TimeStep step = stepAt(picture.time, reading.pass);
+  const FrameOptions options = looked(picture, step, reading.pass);
+  return {options.step_vox, drawsCut(step, options.cut, mode_, scene_.look.transfer)};
 }
 
 std::optional<VoxelProbe> Drawing::probe(const PictureOptions& picture, double right, double down,

@@ -54,6 +54,7 @@ class Drawing {
   ShownLook shownLook() const;
   RenderReport report(bool maps) const;
   PicturePlan plan(const PictureOptions& picture, ProgressTeller& teller);
+  PictureSampling sampling(const PictureOptions& picture, ProgressTeller& teller);
   std::optional<VoxelProbe> probe(const PictureOptions& picture, double right, double down,
                                   ProgressTeller& teller);
   SliceValues slice(const SliceOptions& slice, ProgressTeller& teller);

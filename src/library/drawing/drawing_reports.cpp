@@ -38,6 +38,10 @@ ShownLook::Channel shownChannel(const Layer& layer) {
 
 }  // namespace
 
+std::string Drawing::deviceName() const {
+  return fmt::format("{}, {}", scene_.device->backend(), scene_.device->renderer());
+}
+
 ShownLook Drawing::shownLook() const {
   ShownLook shown;
   shown.colors = shownColors(scene_.look.transfer);
