@@ -9,6 +9,7 @@
 #include "src/base/error.h"
 #include "src/base/threads/clock.h"
 #include "src/view/drawing/drawing_thread.h"
+#include "src/view/state/camera_gestures.h"
 #include "src/view/state/transfer_edit.h"
 #include "tools/bench/bench.h"
 #include "tools/command_line/console.h"

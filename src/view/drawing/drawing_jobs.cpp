@@ -57,32 +57,12 @@ void DrawingJobs::useLook(const LookOptions& look, bool is_shown) {
   if (!is_shown) return;
   opened_.shown_look = look;
   auto shown = std::make_unique<ShownLook>(opened_.renderer->shownLook());
-  opened_.is_lit = shown->lit;
   news_.add([&](News& news) { news.look.swap(shown); });
 }
 
 ViewOptions DrawingJobs::placed(const ViewState& state, int width, int height, const Job& job) {
   useLook(state.look);
   return opened_.renderer->placed(pictureOf(state, width, height), progress(), job.stop);
-}
-
-double DrawingJobs::wholeStep(const Wish& wish) const {
-  if (wish.state.step_vox) return *wish.state.step_vox;
-  if (wish.state.look.mode != LookOptions::Mode::kComposite) return 1;
-  const double pixel_vox =
-      worldPerPixel(wish.state.view, {wish.width, wish.height}, opened_.ground) /
-      opened_.ground.finest_spacing;
-  // As the library chooses it, see Scene::chosenStep().
-  if (pixel_vox < 1 || !drawsLevels(wish))
-    return (pixel_vox < 1 ? 0.5 : 1) * (opened_.is_lit ? 0.5 : 1);
-  const int coarsest = opened_.volume->info().levels - 1;
-  return std::exp2(std::min<double>(coarsest, std::floor(std::log2(pixel_vox))));
-}
-
-bool DrawingJobs::drawsLevels(const Wish& wish) const {
-  const LookOptions& look = wish.state.look;
-  return opened_.volume->info().levels > 1 && look.mode == LookOptions::Mode::kComposite &&
-         !look.labels;
 }
 
 ShownPicture DrawingJobs::draw(const Job& job, const PictureOptions& picture) {
@@ -121,18 +101,18 @@ void DrawingJobs::run(const PreviewJob&, const Job& job) {
   const Stopwatch watch;
   useLook(wish.state.look);
   PictureOptions picture = pictureOf(wish.state, wish.width, wish.height);
-  const double step = wholeStep(wish);
   const double budget_s = drawingBudget(options_.budget_s, wish.showing_s);
+  picture.time_limit_s = 1.25 * budget_s;
+  const auto [step, from_levels] = opened_.renderer->sampling(picture, progress(), job.stop);
   const Quality quality =
       qualityWithin(opened_.pace, static_cast<double>(wish.width) * wish.height, step, budget_s,
-                    drawsLevels(wish) ? PreviewSteps::kFollowPixels : PreviewSteps::kFixed);
+                    from_levels ? PreviewSteps::kFollowPixels : PreviewSteps::kFixed);
   if (!quality.isFull()) {
     picture.width = std::max(1, static_cast<int>(std::lround(wish.width * quality.scale)));
     picture.height = std::max(1, static_cast<int>(std::lround(wish.height * quality.scale)));
     // The library chooses coarser levels for a smaller picture, and the steps that suit them.
-    if (!drawsLevels(wish) || wish.state.step_vox) picture.step_vox = step * quality.step_factor;
+    if (!from_levels || wish.state.step_vox) picture.step_vox = step * quality.step_factor;
   }
-  picture.time_limit_s = 1.25 * budget_s;
   ShownPicture shown = draw(job, picture);
   // A preview may show levels that the whole picture does not (PictureOptions::time_limit_s).
   const bool is_complete = quality.isFull() && shown.missing_share == 0 && shown.levels.empty();
@@ -145,7 +125,8 @@ void DrawingJobs::run(const PictureJob&, const Job& job) {
   useLook(wish.state.look);
   PictureOptions picture = pictureOf(wish.state, wish.width, wish.height);
   picture.next_time = wish.next_time;
-  double missing = 1, limit_s = drawsLevels(wish) ? kRefineLevels_s : kRefine_s;
+  const bool from_levels = opened_.renderer->sampling(picture, progress(), job.stop).from_levels;
+  double missing = 1, limit_s = from_levels ? kRefineLevels_s : kRefine_s;
   // Shows the parts that are there as they come, as long as each adds enough to be worth a picture;
   // with levels of resolution whole pictures, each finer than the one before. Such a picture may
   // copy what the one before had in other chunks, so that each gets more time than the last took.

@@ -16,7 +16,6 @@
 #include "src/view/drawing/job_queue.h"
 #include "src/view/drawing/news_box.h"
 #include "src/view/drawing/pace.h"
-#include "src/view/state/camera_gestures.h"
 #include "src/view/state/state_file.h"
 
 namespace sluice {
@@ -65,8 +64,6 @@ class DrawingJobs {
     std::unique_ptr<Renderer> renderer;  // null: see useLook()
     LookOptions look;                    // the renderer's look
     LookOptions shown_look;              // look of the newest news; a film's frames have others
-    bool is_lit = false;                 // whether that look is
-    Ground ground;
     Pace pace;
     struct Slice {
       int64_t at = -1, time = -1;
@@ -101,10 +98,6 @@ class DrawingJobs {
   void useLook(const LookOptions& look, bool is_shown = true);
   // The state's view by eye, target and up. Throws as Renderer::placed() does.
   ViewOptions placed(const ViewState& state, int width, int height, const Job& job);
-  // Voxels between samples of the wish's whole picture.
-  double wholeStep(const Wish& wish) const;
-  // Whether the library draws the wish from several levels of resolution.
-  bool drawsLevels(const Wish& wish) const;
   // Draws what a screen is to show: pixels, or the texture that holds them. Learns the pace from
   // it.
   ShownPicture draw(const Job& job, const PictureOptions& picture);

@@ -92,7 +92,6 @@ void DrawingJobs::openVolume(OpenJob task, const Job& job) {
   news->volume = next.viewed;
   news->info = next.volume->info();
   news->histogram = next.volume->histogram();
-  next.ground = groundOf(news->info);
   ViewState& state = news->state;
   if (task.state) {
     state = *task.state;
