@@ -39,6 +39,9 @@ struct WebOptions {
   // Finds `buckets` when the first s3:// address is opened; not set: they are known.
   std::function<BucketAccess()> find_buckets = {};
   WebCache cache = {};
+  // Told in one line, once for each opened volume, that the cache cannot keep what was read, and
+  // why. Not set: nobody is told. Called by any thread, and while others are reading.
+  std::function<void(const std::string& line)> warn = {};
   WebCertificates certificates = {};
 };
 

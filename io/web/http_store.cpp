@@ -31,7 +31,8 @@ HttpStore::HttpStore(Address address, HttpCredentials credentials, const WebOpti
                      StopToken stop)
     : address_(std::move(address)),
       stop_(std::move(stop)),
-      client_(std::move(credentials), options.certificates) {
+      client_(std::move(credentials), options.certificates),
+      warn_(options.warn) {
   const WebCache& cache = options.cache;
   if (cache.budget_bytes > 0) cache_.emplace(cache.folder, cache.budget_bytes);
 }
@@ -126,6 +127,15 @@ void HttpStore::learnStamp(const std::string& key, const std::string& stamp) {
   if (stamps_.size() < kMostStamps) stamps_.emplace(key, stamp);
 }
 
+void HttpStore::keepInCache(const std::string& cache_name, const HttpFetch& fetched) {
+  if (!cache_ || fetched.stamp().empty()) return;
+  const std::string fault =
+      cache_->keep(cache_name, fetched.stamp(), fetched.wholeBytes(), fetched.bytes());
+  if (!fault.empty() && warn_ && !has_warned_.test_and_set())
+    warn_(fmt::format(
+        "the cache does not keep all that is read: {} (--cache-dir names another folder)", fault));
+}
+
 bool HttpStore::fetch(const std::string& key, const PieceBytes& wanted, const Room& room,
                       const Patience& patience) {
   const std::optional<std::string> known = stampKnown(key);
@@ -148,8 +158,7 @@ bool HttpStore::fetch(const std::string& key, const PieceBytes& wanted, const Ro
     if (outcome == HttpFetch::Outcome::kMissing) return false;
     if (outcome == HttpFetch::Outcome::kRead) {
       learnStamp(key, fetch.stamp());
-      if (cache_ && !fetch.stamp().empty())
-        cache_->keep(cache_name, fetch.stamp(), fetch.wholeBytes(), fetch.bytes());
+      keepInCache(cache_name, fetch);
       return true;
     }
     learnStamp(key, cached_stamp);

@@ -5,6 +5,8 @@
 // so that nothing is asked for twice.
 #pragma once
 
+#include <atomic>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -17,6 +19,8 @@
 #include "io/web/piece_cache.h"
 
 namespace sluice {
+
+class HttpFetch;
 
 class HttpStore final : public ChunkStore {
  public:
@@ -56,12 +60,16 @@ class HttpStore final : public ChunkStore {
              const Patience& patience);
   std::optional<std::string> stampKnown(const std::string& key);
   void learnStamp(const std::string& key, const std::string& stamp);
+  // Keeps what was read in the cache, if there is one and the server tells when it changes.
+  void keepInCache(const std::string& cache_name, const HttpFetch& fetched);
   std::string urlOf(const std::string& key) const;
 
   const Address address_;
   const StopToken stop_;
   HttpClient client_;
   std::optional<PieceCache> cache_;
+  const std::function<void(const std::string& line)> warn_;
+  std::atomic_flag has_warned_;
   Mutex mutex_;
   std::map<std::string, Kept> kept_ SLUICE_GUARDED_BY(mutex_);  // asked for by has()
   std::unordered_map<std::string, std::string> stamps_ SLUICE_GUARDED_BY(mutex_);

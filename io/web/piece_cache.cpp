@@ -9,7 +9,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <charconv>
+#include <cstdio>
 #include <cstring>
 #include <system_error>
 #include <utility>
@@ -69,14 +71,48 @@ class Usage {
     if (error != std::errc() || end != text.data() + got - 1) return std::nullopt;
     return bytes;
   }
-  // Of one length, so that no old digit stays. Throws Error.
-  void write(uint64_t bytes) const {
+  // Of one length, so that no old digit stays. Throws Error, "<what>: <reason>".
+  void write(uint64_t bytes, const std::string& what) const {
     const std::string text = fmt::format("{:020}\n", bytes);
-    writeAllAt(file_.get(), std::as_bytes(std::span(text)), 0, "usage");
+    writeAllAt(file_.get(), std::as_bytes(std::span(text)), 0, what);
   }
 
  private:
   Descriptor file_;
+};
+
+// Removes a file that a process was writing, if that process has ended: its lock went with it.
+bool removeDead(const fs::path& path) {
+  const Descriptor file(open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  return file && flock(file.get(), LOCK_EX | LOCK_NB) == 0 && unlink(path.c_str()) == 0;
+}
+
+// Makes and locks a file. Nothing: another thread is writing it. A dead process may have had the
+// same number, as the first process of each container has. Throws Error, "<what>: <reason>".
+Descriptor makeLocked(const fs::path& path, const std::string& what) {
+  Descriptor file;
+  do {
+    file.reset(open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, kFileMode));
+    if (!file && errno != EEXIST) failErrno(what, errno);
+  } while (!file && removeDead(path));
+  if (file) flock(file.get(), LOCK_EX | LOCK_NB);
+  return file;
+}
+
+// Removes a file at the end of a scope, unless it stays.
+class Temporary {
+ public:
+  explicit Temporary(const fs::path& path) : path_(path) {}
+  ~Temporary() {
+    if (!stays_) unlink(path_.c_str());
+  }
+  Temporary(const Temporary&) = delete;
+  Temporary& operator=(const Temporary&) = delete;
+  void stays() { stays_ = true; }
+
+ private:
+  const fs::path& path_;
+  bool stays_ = false;
 };
 
 struct OnDisk {
@@ -93,13 +129,8 @@ std::vector<OnDisk> filesIn(const fs::path& folder) {
        entry.increment(ignored)) {
     struct stat about {};
     if (lstat(entry->path().c_str(), &about) != 0 || !S_ISREG(about.st_mode)) continue;
-    if (entry->path().filename().string().starts_with(kTemporary)) {
-      const Descriptor file(open(entry->path().c_str(), O_RDONLY | O_CLOEXEC));
-      if (file && flock(file.get(), LOCK_EX | LOCK_NB) == 0) {
-        unlink(entry->path().c_str());
-        continue;
-      }
-    }
+    if (entry->path().filename().string().starts_with(kTemporary) && removeDead(entry->path()))
+      continue;
     files.push_back({entry->path(), onDisk(static_cast<uint64_t>(about.st_size)), about.st_mtim});
   }
   return files;
@@ -113,6 +144,10 @@ bool CachedPiece::read(std::span<std::byte> out) const {
 
 PieceCache::PieceCache(fs::path folder, uint64_t budget_bytes)
     : folder_(std::move(folder)), budget_(budget_bytes) {
+  if (folder_.empty())
+    failSystem(
+        "--cache: expected a folder for it, found none, because neither XDG_CACHE_HOME nor HOME "
+        "names one; give --cache-dir");
   std::error_code error;
   const bool is_new = fs::create_directories(folder_ / "pieces", error);
   if (is_new) fs::permissions(folder_, kFolderMode, error);
@@ -120,8 +155,7 @@ PieceCache::PieceCache(fs::path folder, uint64_t budget_bytes)
   if (error)
     failSystem(
         "{}: expected a folder for the cache of web pages' pieces, found: {}; name another one "
-        "with "
-        "--cache-dir",
+        "with --cache-dir",
         folder_.string(), error.message());
 }
 
@@ -169,7 +203,7 @@ uint64_t PieceCache::shrinkTo(uint64_t most) {
 Descriptor PieceCache::reserve(const fs::path& replaced, const fs::path& temporary,
                                uint64_t bytes) {
   const Usage usage(folder_ / "usage");
-  if (!usage) return Descriptor();
+  if (!usage) failErrno(folder_.string(), errno);
   std::optional<uint64_t> used = usage.read();
   struct stat old {};
   if (used && lstat(replaced.c_str(), &old) == 0 && unlink(replaced.c_str()) == 0)
@@ -181,20 +215,19 @@ Descriptor PieceCache::reserve(const fs::path& replaced, const fs::path& tempora
     used = shrinkTo(used ? most : budget_ - size);
     if (*used > budget_ - size) return Descriptor();
   }
-  Descriptor file(open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, kFileMode));
+  const std::string what = folder_.string();
+  Descriptor file = makeLocked(temporary, what);
   if (!file) return file;
-  flock(file.get(), LOCK_EX | LOCK_NB);
-  try {
-    usage.write(*used + size);
-    if (posix_fallocate(file.get(), 0, static_cast<off_t>(bytes)) == 0) return file;
-  } catch (const Error&) {
-  }
-  unlink(temporary.c_str());
-  return Descriptor();
+  Temporary unless_full(temporary);
+  usage.write(*used + size, what);
+  const int fault = posix_fallocate(file.get(), 0, static_cast<off_t>(bytes));
+  if (fault != 0) failErrno(what, fault);
+  unless_full.stays();
+  return file;
 }
 
-void PieceCache::keep(const std::string& name, const std::string& stamp, uint64_t whole,
-                      std::span<const std::byte> bytes) {
+std::string PieceCache::keep(const std::string& name, const std::string& stamp, uint64_t whole,
+                             std::span<const std::byte> bytes) {
   const fs::path path = fileOf(name);
   const Head head{.whole = whole,
                   .bytes = bytes.size(),
@@ -202,24 +235,25 @@ void PieceCache::keep(const std::string& name, const std::string& stamp, uint64_
                   .name_bytes = static_cast<uint32_t>(name.size()),
                   .stamp_bytes = static_cast<uint32_t>(stamp.size())};
   const uint64_t size = sizeof head + name.size() + stamp.size() + bytes.size();
-  if (onDisk(size) > budget_ || std::max(name.size(), stamp.size()) > kMostText) return;
-  std::error_code error;
+  if (onDisk(size) > budget_ || std::max(name.size(), stamp.size()) > kMostText) return "";
   const fs::path temporary =
       folder_ / "pieces" / fmt::format("{}{}-{}", kTemporary, getpid(), path.filename().string());
-  const Descriptor file = reserve(path, temporary, size);
-  if (!file) return;
+  const std::string what = folder_.string();
   try {
-    const std::string what = temporary.string();
+    const Descriptor file = reserve(path, temporary, size);
+    if (!file) return "";
+    Temporary unless_whole(temporary);
     writeAll(file.get(), std::as_bytes(std::span(&head, 1)), what);
     writeAll(file.get(), std::as_bytes(std::span(name)), what);
     writeAll(file.get(), std::as_bytes(std::span(stamp)), what);
     writeAll(file.get(), bytes, what);
     const Usage still(folder_ / "usage");  // whoever counts the files sees one name or the other
-    fs::rename(temporary, path, error);
-  } catch (const Error&) {
-    error = std::make_error_code(std::errc::io_error);
+    if (rename(temporary.c_str(), path.c_str()) != 0) failErrno(what, errno);
+    unless_whole.stays();
+  } catch (const Error& error) {
+    return error.what();
   }
-  if (error) unlink(temporary.c_str());
+  return "";
 }
 
 }  // namespace sluice

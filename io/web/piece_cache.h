@@ -43,20 +43,22 @@ class CachedPiece {
 
 class PieceCache {
  public:
-  // Makes the folder, for its owner alone. Throws Error: it cannot be written.
+  // Makes the folder, for its owner alone. Throws Error: it has no name, or cannot be written.
   PieceCache(std::filesystem::path folder, uint64_t budget_bytes);
 
   // The piece that was kept under a name; damaged ones are removed.
   std::optional<CachedPiece> find(const std::string& name);
-  // Keeps a piece in the place of another one of its name. Without effect if there is no room for
-  // it, or it cannot be written.
-  void keep(const std::string& name, const std::string& stamp, uint64_t whole,
-            std::span<const std::byte> bytes);
+  // Keeps a piece in the place of another one of its name. Without effect if the limit has no room
+  // for it, or if another thread or process is keeping it. Returns an empty string then, too, and
+  // the folder and the reason if it cannot be written: the disk is full, the folder is closed.
+  std::string keep(const std::string& name, const std::string& stamp, uint64_t whole,
+                   std::span<const std::byte> bytes);
   void remove(const std::string& name);
 
  private:
   std::filesystem::path fileOf(const std::string& name) const;
-  // A new file of this size, counted already; nothing: no room.
+  // A new file of this size, counted already; nothing: no room, or another one is writing it.
+  // Throws Error: it cannot be written.
   Descriptor reserve(const std::filesystem::path& replaced, const std::filesystem::path& temporary,
                      uint64_t bytes);
   // Removes what was not used for longest until at most `most` bytes are left. Returns these.

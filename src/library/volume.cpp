@@ -7,6 +7,7 @@
 #include "io/lent_source.h"
 #include "io/web/bucket_access.h"
 #include "src/base/error.h"
+#include "src/base/threads/mutex.h"
 #include "src/base/values/value_counts.h"
 #include "src/library/conversions.h"
 #include "src/library/drawing/resources.h"
@@ -35,6 +36,25 @@ void setInfo(OpenedVolume& opened, const std::vector<std::string>& notes) {
   opened.info.files = opened.volume.source->files();
 }
 
+// Lines that layers below tell while a volume is opened; later ones are dropped. Any thread.
+class OpeningNotes {
+ public:
+  void add(const std::string& line) {
+    const MutexLock lock(mutex_);
+    if (!is_over_) lines_.push_back(line);
+  }
+  std::vector<std::string> take() {
+    const MutexLock lock(mutex_);
+    is_over_ = true;
+    return std::move(lines_);
+  }
+
+ private:
+  Mutex mutex_;
+  std::vector<std::string> lines_ SLUICE_GUARDED_BY(mutex_);
+  bool is_over_ SLUICE_GUARDED_BY(mutex_) = false;
+};
+
 // `channels` gives those of `arguments` that pictures show, once a call may tell how far it is.
 template <class Channels>
 void open(OpenedVolume& opened, VolumeArguments arguments, const VolumeOptions& options,
@@ -46,6 +66,8 @@ void open(OpenedVolume& opened, VolumeArguments arguments, const VolumeOptions& 
       relay->tell(Progress::Stage::kDecoding, done, total);
     };
   };
+  const auto told = std::make_shared<OpeningNotes>();
+  arguments.open.web.warn = [told](const std::string& line) { told->add(line); };
   const ProgressRelay::Call call(*opened.relay, teller);
   teller.stop().throwIfStopped();
   WorkerPool pool(machine.threads);
@@ -71,6 +93,9 @@ void open(OpenedVolume& opened, VolumeArguments arguments, const VolumeOptions& 
     else
       opened.more.push_back(std::move(volume));
   }
+  // Each channel has a store of its own, and they have one cache.
+  for (std::string& line : told->take())
+    if (std::ranges::find(notes, line) == notes.end()) notes.push_back(std::move(line));
   setInfo(opened, notes);
 }
 

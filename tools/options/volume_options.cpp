@@ -1,8 +1,11 @@
 #include <algorithm>
+#include <atomic>
 #include <bit>
+#include <memory>
 
 #include "io/headers/volume_description.h"
 #include "src/base/values/bytes.h"
+#include "tools/command_line/console.h"
 #include "tools/command_line/environment.h"
 #include "tools/command_line/interrupt.h"
 #include "tools/command_line/parse.h"
@@ -65,6 +68,15 @@ std::optional<TimeRange> timeRange(const std::string& word) {
 
 constexpr uint64_t kCacheBytes = uint64_t{20} << 30;
 
+// Prints the first of the warnings about the cache: several volumes may share it.
+std::function<void(const std::string&)> warnOnce(const CLI::App& app) {
+  return [&app, has_warned = std::make_shared<std::atomic_flag>()](const std::string& line) {
+    const CLI::Option* const quiet = app.get_option_no_throw("--quiet");
+    const bool is_quiet = quiet != nullptr && quiet->count() > 0;
+    if (!has_warned->test_and_set() && !is_quiet) printWarning(line);
+  };
+}
+
 // Each of the two turns the cache on.
 void addWebCacheOptions(const OptionGroup& group, WebCache& cache) {
   const auto positive = [](const std::string& word) {
@@ -96,6 +108,7 @@ void addVolumeOptions(CLI::App& app, VolumeArguments& arguments, std::optional<T
   arguments.open.stop = interruption();
   arguments.open.web.find_buckets = [] { return bucketAccess(); };
   arguments.open.web.certificates = webCertificates();
+  arguments.open.web.warn = warnOnce(app);
   requireNames(
       app.add_option(
           "volume", arguments.inputs,

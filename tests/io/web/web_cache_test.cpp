@@ -212,5 +212,32 @@ TEST(PieceCache, forgetsWhatWasNotUsedForLongest) {
   EXPECT_TRUE(cache.find("10"));
 }
 
+// The first process of each container has the same number.
+TEST(PieceCache, takesOverFromADeadProcessOfItsNumber) {
+  const TempFolder folder;
+  PieceCache cache(folder / "web", kPlenty);
+  const std::vector<std::byte> bytes(5000);
+  ASSERT_EQ(cache.keep("one", "\"s\"", 1, bytes), "");
+  const fs::path piece = piecesIn(folder / "web").front();
+  const fs::path left =
+      piece.parent_path() / fmt::format("writing-{}-{}", getpid(), piece.filename().string());
+  fs::rename(piece, left);
+  EXPECT_EQ(cache.keep("one", "\"s\"", 1, bytes), "");
+  EXPECT_TRUE(cache.find("one"));
+  EXPECT_FALSE(fs::exists(left));
+}
+
+TEST(PieceCache, saysWhyAPieceIsNotKept) {
+  const TempFolder folder;
+  PieceCache cache(folder / "web", kPlenty);
+  fs::remove(folder / "web/pieces");
+  EXPECT_EQ(cache.keep("one", "\"s\"", 1, std::vector<std::byte>(5000)),
+            (folder / "web").string() + ": No such file or directory");
+  // No room under the limit is no fault.
+  PieceCache small(folder / "small", 4096);
+  EXPECT_EQ(small.keep("one", "\"s\"", 1, std::vector<std::byte>(5000)), "");
+  EXPECT_TRUE(piecesIn(folder / "small").empty());
+}
+
 }  // namespace
 }  // namespace sluice
