@@ -77,6 +77,16 @@ class Download {
 
   std::optional<Downloaded> run() {
     openPart();
+    try {
+      return runLocked();
+    } catch (...) {
+      if (bytesThere() == 0) removeParts();  // there is nothing to go on with
+      throw;
+    }
+  }
+
+ private:
+  std::optional<Downloaded> runLocked() {
     uint64_t there = bytesThere();
     std::optional<Known> known = readKnown(known_path_);
     if (!known || known->name != name_ || known->bytes < there) there = 0;
@@ -110,7 +120,6 @@ class Download {
     return finish(now, there);
   }
 
- private:
   [[noreturn]] void failPart() const {
     fail("{}: cannot be written: {}", part_path_.string(), std::strerror(errno));
   }
@@ -126,8 +135,16 @@ class Download {
   }
 
   void openPart() {
-    part_ = Descriptor(open(part_path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, kFileMode));
-    if (!part_) failPart();
+    // A process that ended its download between the two calls has renamed the file that is locked
+    // now: it is whole, and no longer ours to write.
+    do {
+      part_ = Descriptor(open(part_path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, kFileMode));
+      if (!part_) failPart();
+      lockPart();
+    } while (!isNamed());
+  }
+
+  void lockPart() {
     bool is_ours = false;
     try {
       is_ours = lockAlone(part_.get(), part_path_.string());
@@ -137,6 +154,14 @@ class Download {
       throw;
     }
     if (!is_ours) fail("{}: another process is fetching it", file_.string());
+  }
+
+  // Whether FILE.part is still the name of the open file.
+  bool isNamed() const {
+    struct stat opened {
+    }, named{};
+    return fstat(part_.get(), &opened) == 0 && stat(part_path_.c_str(), &named) == 0 &&
+           opened.st_dev == named.st_dev && opened.st_ino == named.st_ino;
   }
 
   uint64_t bytesThere() const {

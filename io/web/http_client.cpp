@@ -77,7 +77,8 @@ std::string faultOf(CURLcode code, const char* text) {
       return fmt::format(
           "no secure connection ({}); CURL_CA_BUNDLE names a file of authorities to trust", text);
     default:
-      return fmt::format("the connection failed ({})", text);
+      return fmt::format("the connection failed ({}){}", text,
+                         mayPass(code) ? "" : "; check the address and the server");
   }
 }
 

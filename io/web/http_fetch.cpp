@@ -66,10 +66,24 @@ std::string HttpFetch::range() const {
   return "";
 }
 
+// Servers answer by 416 if a part begins at the end of an object, as each part of an empty one
+// does.
+bool HttpFetch::isAtEnd(const HttpHead& head) const {
+  if (head.status != kBeyondEnd || !head.whole) return false;
+  return wanted_.from == PieceBytes::From::kStart ? wanted_.offset >= *head.whole
+                                                  : *head.whole == 0 && !range().empty();
+}
+
 bool HttpFetch::takeHead(const HttpHead& head) {
   head_ = head;
-  if (head.status != kOk && head.status != kPart) return true;
   try {
+    if (!has_room_ && isAtEnd(head)) {
+      takeRoom(*head.whole, head.stamp);
+      if (!out_.empty())
+        fail("{}: expected {} bytes more than its {}", name_, out_.size(), *head.whole);
+      return true;
+    }
+    if (head.status != kOk && head.status != kPart) return true;
     if (head.is_encoded)
       failSystem(
           "{}: expected the object as it is, found a Content-Encoding; the server must not "
@@ -77,17 +91,12 @@ bool HttpFetch::takeHead(const HttpHead& head) {
           name_);
     const std::optional<uint64_t> whole = head.status == kPart ? head.whole : head.length;
     if (!whole || (head.status == kPart && !head.first_byte))
-      fail("{}: expected an answer that tells the object's size, found none", name_);
+      fail(
+          "{}: expected an answer that tells the object's size, found none; the server must send "
+          "Content-Length, or Content-Range with the size for a part",
+          name_);
     if (!has_room_) {
-      const std::span<std::byte> out =
-          room_({*whole, known_stamp_.value_or(head.stamp) != head.stamp});
-      whole_ = *whole;
-      out_ = out;
-      stamp_ = head.stamp;
-      first_ = wanted_.from == PieceBytes::From::kEnd
-                   ? whole_ - std::min<uint64_t>(whole_, out.size())
-                   : wanted_.offset;
-      has_room_ = true;
+      takeRoom(*whole, head.stamp);
     } else if (*whole != whole_ || head.stamp != stamp_) {
       fail("{}: changed while it was read; open it again", name_);
     }
@@ -105,6 +114,15 @@ bool HttpFetch::takeHead(const HttpHead& head) {
   return true;
 }
 
+void HttpFetch::takeRoom(uint64_t whole, const std::string& stamp) {
+  out_ = room_({whole, known_stamp_.value_or(stamp) != stamp});
+  whole_ = whole;
+  stamp_ = stamp;
+  first_ = wanted_.from == PieceBytes::From::kEnd ? whole_ - std::min<uint64_t>(whole_, out_.size())
+                                                  : wanted_.offset;
+  has_room_ = true;
+}
+
 bool HttpFetch::takeBody(std::span<const std::byte> bytes) {
   if (!has_room_ || (head_.status != kOk && head_.status != kPart)) return true;
   const uint64_t skipped = std::min<uint64_t>(skips_, bytes.size());
@@ -120,7 +138,7 @@ bool HttpFetch::takeBody(std::span<const std::byte> bytes) {
 void HttpFetch::refuse(const HttpHead& head) const {
   if (head.status == kUnauthorized || head.status == kForbidden)
     throw HttpForbidden(fmt::format("{}: the server forbids it (status {})", name_, head.status));
-  if (head.status == kBeyondEnd)
+  if (head.status == kBeyondEnd && !range().empty())
     fail("{}: expected bytes {}, found that it ends before", name_, range());
   fail("{}: the server answered with status {}; check the address", name_, head.status);
 }
@@ -143,6 +161,7 @@ HttpFetch::Outcome HttpFetch::run(const StopToken& stop, bool tries_again) {
                                      [this](auto bytes) { return takeBody(bytes); }},
                                     stop);
     if (error_) std::rethrow_exception(error_);
+    if (has_room_ && out_.empty() && isAtEnd(head_)) return Outcome::kRead;
     const bool is_answer = head_.status == kOk || head_.status == kPart;
     if (is_answer && isComplete()) return Outcome::kRead;
     if (head_.status == kNotModified && !has_room_) return Outcome::kUnchanged;

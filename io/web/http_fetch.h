@@ -39,6 +39,10 @@ class HttpFetch {
 
  private:
   bool takeHead(const HttpHead& head);
+  // The answer says that the wanted part begins where the object ends, and nothing is left to read.
+  bool isAtEnd(const HttpHead& head) const;
+  // Asks for room, once the size of the object is known.
+  void takeRoom(uint64_t whole, const std::string& stamp);
   bool takeBody(std::span<const std::byte> bytes);
   // The first byte wanted and not there yet, of the object.
   uint64_t next() const { return first_ + got_; }

@@ -112,7 +112,9 @@ class Handler(http.server.BaseHTTPRequestHandler):
             body = file.read_bytes()
             tag = f'"{stamp}-{len(body)}-{file.stat().st_mtime_ns}"'
             first, last, is_part = self.part_of(len(body))
-            if is_part:
+            if is_part and first >= len(body):
+                status, body, is_part = 416, b'', False
+            elif is_part:
                 status = 206
             if self.headers.get('If-None-Match') == tag:
                 status, body, first, last, is_part = 304, b'', 0, -1, False
@@ -127,6 +129,8 @@ class Handler(http.server.BaseHTTPRequestHandler):
             self.send_header('Content-Length', str(len(part) + (100 if goes_wrong and fault == 'long' else 0)))
         if is_part:
             self.send_header('Content-Range', f'bytes {first}-{last}/{len(body)}')
+        elif status == 416:
+            self.send_header('Content-Range', f'bytes */{file.stat().st_size}')
         if status in (200, 206, 304):
             self.send_header('ETag', tag)
         if fault in ('busy', 'later') and status in (429, 503):

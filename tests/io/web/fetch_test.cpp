@@ -1,13 +1,18 @@
 #include <gmock/gmock.h>
 #include <sys/stat.h>
 
+#include <atomic>
+#include <cstring>
 #include <fstream>
 #include <map>
+#include <mutex>
 #include <random>
 #include <set>
+#include <thread>
 
 #include "io/fetch_volume.h"
 #include "io/open_volume.h"
+#include "io/stores/download.h"
 #include "io/stores/folder_store.h"
 #include "io/stores/sha256.h"
 #include "tests/io/python_volumes.h"
@@ -142,6 +147,87 @@ TEST_F(Fetch, faultsThatDoNotPassAreOneLineAndNoFile) {
     EXPECT_FALSE(fs::exists(target_));
     fs::remove(target_.string() + ".part");
   }
+}
+
+// Servers answer 416 to a request for the first part of an empty file.
+TEST_F(Fetch, copiesAnEmptyFile) {
+  content_.clear();
+  std::ofstream(served_ / "data/head.raw", std::ios::trunc).close();
+  for (const char* fault : {"", "whole"}) {
+    SCOPED_TRACE(fault);
+    const WebServer server(served_.path(), fault);
+    fs::remove(target_);
+    const FetchedVolume fetched = fetch(server, options());
+    EXPECT_EQ(fetched.object.bytes, 0U);
+    EXPECT_EQ(fetched.object.sha256, sha256Of(""));
+    ASSERT_TRUE(fs::exists(target_));
+    expectWhole();
+  }
+}
+
+TEST_F(Fetch, leavesNoFileIfNothingCame) {
+  for (const char* fault : {"gzip", "loop", "down"}) {
+    SCOPED_TRACE(fault);
+    const WebServer server(served_.path(), fault);
+    EXPECT_NE(errorOf([&] { fetch(server, options()); }), "");
+    EXPECT_TRUE(fs::is_empty(here_.path()));
+  }
+}
+
+// An object in memory.
+class OneObject : public ChunkStore {
+ public:
+  explicit OneObject(std::string bytes) : bytes_(std::move(bytes)) {}
+  std::string wholeKey(const std::string& key) const override { return key; }
+  std::string nameOf(const std::string& key) const override { return key; }
+  bool has(const std::string& /*key*/) override { return true; }
+  bool read(const std::string& /*key*/, const PieceBytes& wanted, const Room& room) override {
+    const std::span<std::byte> out = room({bytes_.size(), false});
+    std::memcpy(out.data(), bytes_.data() + wanted.offset, out.size());
+    return true;
+  }
+  std::string stampOf(const std::string& /*key*/) override { return "stamp"; }
+  bool canList() const override { return false; }
+  void list(const std::string& /*folder*/,
+            const std::function<void(const Entry&)>& /*take*/) override {}
+
+ private:
+  const std::string bytes_;
+};
+
+// One that is late may open FILE.part when it is about to become FILE. It was cut then.
+TEST_F(Fetch, severalAtOnceNeverChangeAWholeFile) {
+  const StorePlace object{std::make_shared<OneObject>(content_.substr(0, 5000)), "object"};
+  std::atomic<bool> is_over{false}, was_cut{false};
+  std::atomic<int> done{0};
+  std::map<std::string, int> errors;
+  std::mutex mutex;
+  std::vector<std::thread> threads;
+  for (int i = 0; i < 4; ++i)
+    threads.emplace_back([&] {
+      while (!is_over) {
+        ProgressMeter nobody;
+        try {
+          download(object, target_, {}, {.has_checksum = false}, nobody);
+          ++done;
+        } catch (const Error& error) {
+          const std::lock_guard lock(mutex);
+          ++errors[error.what()];
+        }
+      }
+    });
+  for (int i = 0; i < 100000 && (done < 500 || i < 1000); ++i) {
+    std::error_code missing;
+    const auto bytes = fs::file_size(target_, missing);
+    was_cut = was_cut || (!missing && bytes != 5000);
+    std::this_thread::sleep_for(std::chrono::microseconds(100));
+  }
+  is_over = true;
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_FALSE(was_cut);
+  EXPECT_GE(done, 500);
+  errors.erase(target_.string() + ": another process is fetching it");
+  EXPECT_TRUE(errors.empty()) << errors.begin()->first;
 }
 
 TEST_F(Fetch, anotherSizeOrChecksumThanExpectedIsOneLineAndNoFile) {
