@@ -1,20 +1,26 @@
 #include "io/fetch_volume.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <cerrno>
 #include <set>
+#include <span>
 #include <string_view>
 #include <system_error>
 #include <utility>
 #include <vector>
 
 #include "io/formats.h"
+#include "io/stores/sha256.h"
 #include "io/web/web_place.h"
 #include "io/zarr/metadata/zarr_array.h"
 #include "io/zarr/n5/n5_attributes.h"
 #include "io/zarr/reading/zarr_checksums.h"
 #include "src/base/error.h"
+#include "src/base/files/descriptor.h"
 #include "src/base/files/suffixed_name.h"
 #include "src/base/threads/mutex.h"
 #include "src/base/threads/worker_pool.h"
@@ -84,6 +90,15 @@ std::string textOf(ChunkStore& store, const std::string& key) {
   return text;
 }
 
+// All of a short file; empty: it cannot be read, or is longer than any that is written.
+std::string textIn(const Descriptor& file) {
+  constexpr size_t kMostBytes = 1 << 16;
+  std::string text(kMostBytes, '\0');
+  const ssize_t got = pread(file.get(), text.data(), text.size(), 0);
+  text.resize(got > 0 ? static_cast<size_t>(got) : 0);
+  return text;
+}
+
 // The array that a metadata file describes; nullopt: it is a group's.
 std::optional<ZarrArray> arrayIn(const std::string& name, const std::string& text,
                                  const std::string& path) {
@@ -100,6 +115,7 @@ class StoreFetch {
       : root_(std::move(root)),
         target_(target),
         part_(suffixedName(target, ".part")),
+        origin_path_(suffixedName(target, ".part-of")),
         options_(options),
         progress_(progress) {
     one_.reads = 1;
@@ -109,11 +125,13 @@ class StoreFetch {
 
   FetchedVolume run(const std::string& address) {
     const std::set<std::string> metadata = findMetadata(address);
+    const Descriptor origin = takeOrigin(metadata);
     for (const std::string& key : metadata) fetchOne(key);
     for (const std::string& key : metadata) fetchArray(key);
     std::error_code error;
     fs::rename(part_, target_, error);
     if (error) fail("{}: cannot be written: {}", target_.string(), error.message());
+    fs::remove(origin_path_, error);
     FetchedVolume fetched{.is_store = true, .files = files_, .missing_files = missing_};
     fetched.object.bytes = bytes_;
     fetched.object.resumed_bytes = resumed_bytes_;
@@ -136,6 +154,31 @@ class StoreFetch {
       addAround(key, keys);
     }
     return keys;
+  }
+
+  // The file that says where the files of the store come from, for this process alone. Files that
+  // are there go if they come from another store, or if its metadata have changed since: chunks of
+  // two stores would be one volume.
+  Descriptor takeOrigin(const std::set<std::string>& metadata) const {
+    Sha256 sha;
+    for (const std::string& key : metadata)
+      for (const std::string& text : {key, root_.store->stampOf(key), textOf(*root_.store, key)}) {
+        const uint64_t bytes = text.size();
+        sha.add(std::as_bytes(std::span(&bytes, 1)));
+        sha.add(std::as_bytes(std::span(text)));
+      }
+    const std::string origin = fmt::format("{}\n{}\n", root_.name(), sha.finish());
+    const std::string path = origin_path_.string();
+    Descriptor file = openAlone(path);
+    if (!file) fail("{}: another process is fetching it", target_.string());
+    if (textIn(file) == origin) return file;
+    std::error_code error;
+    fs::remove_all(part_, error);
+    if (error) fail("{}: cannot be removed: {}", part_.string(), error.message());
+    const std::string what = fmt::format("{}: cannot be written", path);
+    if (ftruncate(file.get(), 0) != 0) failErrno(what, errno);
+    writeAllAt(file.get(), std::as_bytes(std::span(origin)), 0, what);
+    return file;
   }
 
   // Metadata that other programs expect beside a key and in the folders that it lies in: a group's,
@@ -204,7 +247,7 @@ class StoreFetch {
 
   const StorePlace root_;
   const fs::path& target_;
-  const fs::path part_;
+  const fs::path part_, origin_path_;
   const FetchOptions& options_;
   ProgressMeter& progress_;
   DownloadOptions one_;

@@ -25,7 +25,8 @@ struct FetchedVolume {
 };
 
 // Copies what lies at an address to `target`, a file or, for a store, a folder, which appears whole
-// or not at all (download.h). Of a store that was begun, files that are there stay as they are.
+// or not at all (download.h). Of a store that was begun, files that are there stay as they are,
+// unless it was begun from another address or its metadata have changed since.
 // `progress`: bytes of a file, files of a store. Throws Error, Interrupted.
 FetchedVolume fetchVolume(const std::string& address, const std::filesystem::path& target,
                           const FetchOptions& options, ProgressMeter& progress);

@@ -1,6 +1,5 @@
 #include "io/stores/download.h"
 
-#include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -24,8 +23,6 @@ namespace sluice {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr mode_t kFileMode = 0644;
 
 // FILE.part-of says this of the object that FILE.part has the first bytes of.
 struct Known {
@@ -135,33 +132,8 @@ class Download {
   }
 
   void openPart() {
-    // A process that ended its download between the two calls has renamed the file that is locked
-    // now: it is whole, and no longer ours to write.
-    do {
-      part_ = Descriptor(open(part_path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, kFileMode));
-      if (!part_) failPart();
-      lockPart();
-    } while (!isNamed());
-  }
-
-  void lockPart() {
-    bool is_ours = false;
-    try {
-      is_ours = lockAlone(part_.get(), part_path_.string());
-    } catch (const Error&) {
-      std::error_code ignored;
-      if (bytesThere() == 0) fs::remove(part_path_, ignored);
-      throw;
-    }
-    if (!is_ours) fail("{}: another process is fetching it", file_.string());
-  }
-
-  // Whether FILE.part is still the name of the open file.
-  bool isNamed() const {
-    struct stat opened {
-    }, named{};
-    return fstat(part_.get(), &opened) == 0 && stat(part_path_.c_str(), &named) == 0 &&
-           opened.st_dev == named.st_dev && opened.st_ino == named.st_ino;
+    part_ = openAlone(part_path_.string());
+    if (!part_) fail("{}: another process is fetching it", file_.string());
   }
 
   uint64_t bytesThere() const {

@@ -1,6 +1,8 @@
 #include "src/base/files/descriptor.h"
 
+#include <fcntl.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -53,6 +55,27 @@ bool lockAlone(int descriptor, const std::string& path) {
                 errno);
   }
   return true;
+}
+
+Descriptor openAlone(const std::string& path) {
+  constexpr mode_t kFileMode = 0644;
+  for (;;) {
+    Descriptor file(open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, kFileMode));
+    if (!file) failErrno(fmt::format("{}: cannot be written", path), errno);
+    struct stat opened {
+    }, named{};
+    fstat(file.get(), &opened);
+    try {
+      if (!lockAlone(file.get(), path)) return Descriptor();
+    } catch (const Error&) {
+      if (opened.st_size == 0) unlink(path.c_str());
+      throw;
+    }
+    // Between the two calls, the process that had the file may have ended its work.
+    if (stat(path.c_str(), &named) == 0 && opened.st_dev == named.st_dev &&
+        opened.st_ino == named.st_ino)
+      return file;
+  }
 }
 
 bool readAll(int descriptor, std::span<std::byte> out) {

@@ -40,5 +40,10 @@ bool readAll(int descriptor, std::span<std::byte> out);
 // Takes the file for this process alone, until it is closed. False: another process has it. Throws
 // Error, "<path>: cannot be locked ...": the file system has no locks.
 bool lockAlone(int descriptor, const std::string& path);
+// Opens a file for reading and writing, made if there is none, and takes it as lockAlone() does.
+// Returns none if another process has it. Throws Error as lockAlone() does, which leaves no empty
+// file, and "<path>: cannot be written: <reason>". A process that has the file may rename or remove
+// it: what is returned still has the name.
+Descriptor openAlone(const std::string& path);
 
 }  // namespace sluice

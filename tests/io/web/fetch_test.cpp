@@ -1,4 +1,6 @@
+#include <fcntl.h>
 #include <gmock/gmock.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 
 #include <atomic>
@@ -15,6 +17,7 @@
 #include "io/stores/download.h"
 #include "io/stores/folder_store.h"
 #include "io/stores/sha256.h"
+#include "src/base/files/descriptor.h"
 #include "tests/io/python_volumes.h"
 #include "tests/io/web/web_server.h"
 #include "tests/io/zarr/zarr_case.h"
@@ -315,21 +318,68 @@ TEST_F(FetchStore, hasTheVoxelsAndAsksForNothingTwice) {
   EXPECT_FALSE(chunks.empty());
 }
 
-TEST_F(FetchStore, goesOnWithTheFilesThatAreMissing) {
-  const TempFolder here;
+// A store that was begun: all but one of its files are there.
+class BegunStore : public FetchStore {
+ protected:
+  void begin(const std::string& address) const {
+    // The last step fails: there is something of the name.
+    fs::create_directories(target_ / "other");
+    ProgressMeter nobody;
+    EXPECT_THAT(errorOf([&] { fetchVolume(address, target_, {}, nobody); }),
+                HasSubstr("cannot be written"));
+    fs::remove_all(target_);
+    ASSERT_TRUE(fs::remove(target_.string() + ".part/c/0/0/0"));
+  }
+  // Returns the bytes of the files that were there.
+  uint64_t goOn(const std::string& address) const {
+    ProgressMeter nobody;
+    const FetchedVolume fetched = fetchVolume(address, target_, {}, nobody);
+    EXPECT_TRUE(fs::is_directory(target_));
+    EXPECT_EQ(std::distance(fs::directory_iterator(here_.path()), {}), 1);
+    return fetched.object.resumed_bytes;
+  }
+  const TempFolder here_;
+  const fs::path target_ = here_ / "v";
+};
+
+TEST_F(BegunStore, goesOnWithTheFilesThatAreMissing) {
   const WebServer server(folder_);
-  const fs::path target = here / "v";
-  ProgressMeter nobody;
-  fetchVolume(server.address() + "/one_shard", target, {}, nobody);
-  fs::rename(target, target.string() + ".part");
-  fs::remove(target.string() + ".part/c/0/0/0");
+  begin(server.address() + "/one_shard");
   const size_t before = server.requests().size();
-  fetchVolume(server.address() + "/one_shard", target, {}, nobody);
-  EXPECT_TRUE(allSteps(*openVolume(target.string())) == voxelsOf("one_shard"));
+  EXPECT_GT(goOn(server.address() + "/one_shard"), 0U);
+  EXPECT_TRUE(allSteps(*openVolume(target_.string())) == voxelsOf("one_shard"));
   int chunks = 0;
   const std::vector<WebRequest> all = server.requests();
   for (size_t i = before; i < all.size(); ++i) chunks += all[i].path == "one_shard/c/0/0/0";
   EXPECT_EQ(chunks, 1);
+}
+
+// Chunks of two stores would be one volume.
+TEST_F(BegunStore, beginsAnewIfItIsAnotherStoreOrHasChanged) {
+  const TempFolder served;
+  for (const char* name : {"a/v", "b/v"}) {
+    fs::create_directories(served / name);
+    fs::copy(pathOf("one_shard"), served / name, fs::copy_options::recursive);
+  }
+  const WebServer server(served.path());
+  begin(server.address() + "/a/v");
+  EXPECT_EQ(goOn(server.address() + "/b/v"), 0U);
+  fs::remove_all(target_);
+  begin(server.address() + "/a/v");
+  fs::last_write_time(served / "a/v/zarr.json", fs::file_time_type::clock::now());
+  EXPECT_EQ(goOn(server.address() + "/a/v"), 0U);
+  EXPECT_TRUE(allSteps(*openVolume(target_.string())) == voxelsOf("one_shard"));
+}
+
+TEST_F(BegunStore, isOneProcessesAlone) {
+  const WebServer server(folder_);
+  begin(server.address() + "/one_shard");
+  const Descriptor other(open((target_.string() + ".part-of").c_str(), O_RDWR));
+  ASSERT_EQ(flock(other.get(), LOCK_EX | LOCK_NB), 0);
+  ProgressMeter nobody;
+  EXPECT_EQ(errorOf([&] { fetchVolume(server.address() + "/one_shard", target_, {}, nobody); }),
+            target_.string() + ": another process is fetching it");
+  EXPECT_FALSE(fs::exists(target_));
 }
 
 }  // namespace
