@@ -23,6 +23,17 @@ TEST(ParseJson, refusesDepthAndWhatIsNoJson) {
   EXPECT_THAT(errorOf([] { parseJson("{\"\x1b[31m", "f"); }), testing::Not(HasSubstr("\x1b")));
 }
 
+TEST(ParseJson, saysThatAFileIsEmptyOrNoUtf8) {
+  using namespace std::string_literals;
+  for (const char* empty : {"", " \n\t"})
+    EXPECT_EQ(errorOf([&] { parseJson(empty, "f"); }), "f: expected JSON, found an empty file");
+  for (const std::string& wide :
+       {"\xff\xfe{\0}\0"s, "\xfe\xff\0{\0}"s, "{\0}\0"s, "\0{\0}"s, "\0\0\0{\0\0\0}"s, "\0\0"s})
+    EXPECT_THAT(errorOf([&] { parseJson(wide, "f"); }), HasSubstr("save it as UTF-8"));
+  EXPECT_EQ(parseJson("\xef\xbb\xbf{}", "f").size(), 0U);  // the mark of UTF-8
+  EXPECT_EQ(parseJson("7", "f"), 7);
+}
+
 TEST(Printable, keepsCharactersAndReplacesOtherBytes) {
   for (const char* text : {"DAPI", "\u03b1-tubulin", "\u00b5m", "\u7d30\u80de", "\U0001f52c"})
     EXPECT_EQ(printable(text), text);

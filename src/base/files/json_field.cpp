@@ -58,6 +58,17 @@ bool isPrintable(uint32_t code) {
       kHidden, [&](const auto& range) { return code >= range.first && code <= range.second; });
 }
 
+// Text of 16 or 32 bits a character begins with a mark of its byte order, or has a zero byte in its
+// first two characters, which in JSON are ASCII.
+bool isWideText(std::string_view text) {
+  return text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff") ||
+         (text.size() > 1 && text.substr(0, 4).find('\0') != std::string_view::npos);
+}
+
+bool isBlank(std::string_view text) {
+  return text.find_first_not_of(" \t\r\n") == std::string_view::npos;
+}
+
 }  // namespace
 
 std::string printable(std::string_view text, size_t longest) {
@@ -74,6 +85,12 @@ std::string printable(std::string_view text, size_t longest) {
 }
 
 nlohmann::json parseJson(std::string_view text, const std::string& where) {
+  if (isBlank(text)) fail("{}: expected JSON, found an empty file", where);
+  if (isWideText(text))
+    fail(
+        "{}: expected JSON in UTF-8, found zero bytes or a mark of UTF-16 at its beginning; save "
+        "it as UTF-8",
+        where);
   using Event = nlohmann::json::parse_event_t;
   std::vector<std::set<std::string>> keys;  // one set for each open object
   const auto check = [&](int depth, Event event, nlohmann::json& value) {
