@@ -154,6 +154,21 @@ TEST(StateFile, saysWhatIsWrongAndWhere) {
   EXPECT_THAT(said(R"({"sluice": "view", "crop": [1, 2]})"), HasSubstr("6 numbers"));
   EXPECT_THAT(said(R"({"sluice": "view", "camera": {"eye": [1, 2, 3]}})"),
               HasSubstr("eye and target together"));
+  const auto ofVolume = [&](const std::string& fields) {
+    return said((R"({"sluice": "view", "volume": {)" + fields + "}}").c_str());
+  };
+  // The system would open a.raw.
+  for (const char* path : {R"("a.raw\u0000b")", R"({"bytes": "a.raw\u0000b"})"})
+    EXPECT_THAT(ofVolume(std::string(R"("paths": [)") + path + "]"),
+                HasSubstr("a.json: expected a name without a zero byte at /volume/paths/0"));
+  EXPECT_THAT(ofVolume(R"("paths": [""])"), HasSubstr("not empty at /volume/paths/0"));
+  for (const std::string name : {"grid", "channel", "over"})
+    EXPECT_THAT(ofVolume(R"("paths": ["a.raw"], ")" + name + R"(": "")"),
+                HasSubstr("not empty at /volume/" + name));
+  EXPECT_THAT(said(R"({"sluice": "view", "look": {"transfer": ""}})"),
+              HasSubstr("not empty at /look/transfer"));
+  EXPECT_THAT(ofVolume(R"("paths": ["a.raw"], "time_steps": 3)"),
+              HasSubstr("at /volume/time_steps, found 3"));
   EXPECT_THAT(said(R"({"sluice": "view", "look": {"opacities": [[2, 0], [1, 0]]}})"),
               HasSubstr("ascend"));
 }

@@ -33,8 +33,18 @@ nlohmann::json fileNameJson(const std::string& name) {
   return {{"bytes", characters}};
 }
 
+namespace {
+
+// The system would take a name up to its first zero byte.
+const std::string& requireNoZero(const std::string& name, const JsonField& field) {
+  if (name.find('\0') != std::string::npos) field.failExpected("a name without a zero byte");
+  return name;
+}
+
+}  // namespace
+
 std::string fileNameOf(const JsonField& field) {
-  if (!field.isObject()) return field.text();
+  if (!field.isObject()) return requireNoZero(field.text(), field);
   field.allowOnly({"bytes"});
   const JsonField bytes = field.require("bytes");
   const std::string& characters = bytes.text();
@@ -50,7 +60,7 @@ std::string fileNameOf(const JsonField& field) {
       bytes.failExpected("characters up to U+00FF");
     }
   }
-  return name;
+  return requireNoZero(name, bytes);
 }
 
 }  // namespace sluice

@@ -119,13 +119,20 @@ int64_t wholeFrom(int64_t least, const JsonField& field) {
   return number;
 }
 
+// Empty, it would be as if the field were not there.
+std::string nameOf(const JsonField& field) {
+  std::string name = fileNameOf(field);
+  if (name.empty()) field.failExpected("a name that is not empty");
+  return name;
+}
+
 ViewedVolume volumeOf(const JsonField& field) {
   field.allowOnly({"paths", "dims", "type", "big_endian", "skip", "time_steps", "spacing", "grid",
                    "channel", "over"});
   ViewedVolume volume;
   const JsonField paths = field.require("paths");
   if (!paths.isArray() || paths.size() == 0) paths.failExpected("a list of files");
-  for (size_t i = 0; i < paths.size(); ++i) volume.paths.push_back(fileNameOf(paths[i]));
+  for (size_t i = 0; i < paths.size(); ++i) volume.paths.push_back(nameOf(paths[i]));
   VolumeOptions& options = volume.options;
   if (const auto f = field.find("dims")) {
     options.dims = tripleOf<int64_t>(*f);
@@ -134,19 +141,22 @@ ViewedVolume volumeOf(const JsonField& field) {
   if (const auto f = field.find("type")) options.type = kTypes[wordOf(*f, kTypes)];
   if (const auto f = field.find("big_endian")) options.big_endian = f->flag();
   if (const auto f = field.find("skip")) options.skip_bytes = wholeFrom(0, *f);
-  if (const auto f = field.find("time_steps")) options.time_steps = wholeFrom(1, *f);
+  if (const auto f = field.find("time_steps")) {
+    options.time_steps = wholeFrom(1, *f);
+    if (!options.dims) f->failExpected("\"dims\", too, because both are of a raw volume,");
+  }
   if (const auto f = field.find("spacing")) {
     options.spacing = tripleOf<double>(*f);
     for (size_t a = 0; a < 3; ++a) aboveZero((*f)[a], kMostSpacing);
   }
-  if (const auto f = field.find("grid")) options.grid = fileNameOf(*f);
+  if (const auto f = field.find("grid")) options.grid = nameOf(*f);
   if (const auto f = field.find("channel")) {
     if (f->isNumber())
       options.channel = wholeFrom(0, *f);
     else
-      options.channel_name = fileNameOf(*f);
+      options.channel_name = nameOf(*f);
   }
-  if (const auto f = field.find("over")) options.over = fileNameOf(*f);
+  if (const auto f = field.find("over")) options.over = nameOf(*f);
   return volume;
 }
 
@@ -179,7 +189,7 @@ OptionValue valueOf(const OptionEntry& entry, const JsonField& field) {
     case OptionForm::kText:
       return field.text();
     case OptionForm::kFile:
-      return fileNameOf(field);
+      return nameOf(field);
     case OptionForm::kVoxel:
     case OptionForm::kBox:
       return listOf<int64_t>(field, count);
