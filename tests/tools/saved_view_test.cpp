@@ -42,6 +42,41 @@ TEST_F(SavedView, wrongNumbersAreNamedByFileAndField) {
   EXPECT_FALSE(program_.exists("b_0.png"));
 }
 
+// The options of `render` have limits of their own. Values beyond them are no wrong usage.
+TEST_F(SavedView, valuesBeyondAnOptionAreTheFiles) {
+  const std::string volume = kStateVolume;
+  for (const std::string field :
+       {R"("look": {"map": "no such"})", R"("look": {"channels": ["0:red", "0:blue"]})",
+        R"("volume": {"paths": ["a.nrrd"], "spacing": [1e15, 1, 1]})",
+        R"("volume": {"paths": ["a.raw"], "dims": [4611686018427387904, 1, 1]})",
+        R"("volume": {"paths": ["a.raw"], "channel": 1000000000000})"}) {
+    SCOPED_TRACE(field);
+    write("wrong.json", R"({"sluice": "view", )" + field + "}");
+    const CommandResult result =
+        render((field.starts_with("\"volume") ? "" : volume + " ") + "--state wrong.json -o b.png");
+    EXPECT_EQ(result.status, 1);
+    EXPECT_THAT(result.output, testing::StartsWith("sluice: wrong.json: --"));
+    EXPECT_EQ(std::count(result.output.begin(), result.output.end(), '\n'), 1) << result.output;
+  }
+}
+
+// An option that has no effect on the frames of a path is refused.
+TEST_F(SavedView, framesRefuseOptionsOfOnePicture) {
+  write("film.json", R"({"sluice": "view", "path": {"kind": "turn", "frames": 2}})");
+  const std::string line = std::string(kStateVolume) + " --state film.json -o f_%d.png ";
+  for (const std::string option :
+       {"--progressive", "--merge paper", "--level 0", "--levels none", "--verify"}) {
+    const CommandResult result = render(line + option);
+    EXPECT_EQ(result.status, 1) << option;
+    EXPECT_THAT(result.output, HasSubstr(option.substr(0, option.find(' ')) + ": frames of"));
+  }
+  EXPECT_FALSE(program_.exists("f_0.png"));
+  const CommandResult rate =
+      program_.run("render " + line + "--size 32 --rate 5 2>&1 >out && ls f_0.png f_1.png");
+  EXPECT_EQ(rate.status, 0);
+  EXPECT_THAT(rate.output, HasSubstr("warning: --rate changes nothing without a film"));
+}
+
 TEST_F(SavedView, numbersBeyondTheVolumeAreTheFilesOrTheUsers) {
   write("late.json", R"({"sluice": "view", "time": 5})");
   write("large.json", R"({"sluice": "view", "crop": [0, 0, 0, 24, 20, 17]})");

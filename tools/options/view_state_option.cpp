@@ -69,6 +69,15 @@ StateFile without(const std::vector<const OptionEntry*>& given, StateFile file) 
   return file;
 }
 
+// Parses what was added to an option. A wrong value is the file's fault, and no wrong usage.
+void takeFromFile(CLI::Option& option, const std::string& file) {
+  try {
+    option.run_callback();
+  } catch (const CLI::ParseError& error) {
+    fail("{}: {}", file, error.what());
+  }
+}
+
 }  // namespace
 
 void SavedView::requireFits(const VolumeInfo& volume) const {
@@ -90,7 +99,7 @@ SavedView applyState(CLI::App& app, const std::string& file) {
   if (volume->count() == 0) {
     if (!state.volume) fail("{}: names no volume; give one", file);
     for (const std::string& path : state.volume->paths) volume->add_result(path);
-    volume->run_callback();
+    takeFromFile(*volume, file);
     const std::vector<OptionWord> more = volumeWords(state.volume->options);
     words.insert(words.end(), more.begin(), more.end());
   }
@@ -103,7 +112,7 @@ SavedView applyState(CLI::App& app, const std::string& file) {
     if (option == nullptr || std::find(given.begin(), given.end(), name) != given.end()) continue;
     option->clear();
     option->add_result(value.empty() ? "true" : value);
-    option->run_callback();
+    takeFromFile(*option, file);
   }
   return saved;
 }

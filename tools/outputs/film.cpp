@@ -26,12 +26,12 @@ namespace {
 
 // Options about how a picture is drawn or reported, as opposed to what it shows, besides those of
 // OptionPart::kPicture.
-constexpr std::array<std::string_view, 26> kOfOnePicture{
-    "--annotate",  "--aov",       "--trace",     "--report", "--debug-view", "--verify",
-    "--json",      "--culling",   "--algorithm", "--page",   "--pages",      "--block",
-    "--partition", "--occlusion", "--policy",    "--seed",   "--basis",      "--directions",
-    "--simd",      "--gl",        "--part",      "--detail", "--this-step",  "--path",
-    "--fit",       "--difference"};
+constexpr std::array<std::string_view, 29> kOfOnePicture{
+    "--annotate",  "--aov",        "--trace",       "--report", "--debug-view", "--verify",
+    "--json",      "--culling",    "--algorithm",   "--page",   "--pages",      "--block",
+    "--partition", "--occlusion",  "--policy",      "--seed",   "--basis",      "--directions",
+    "--simd",      "--gl",         "--part",        "--detail", "--this-step",  "--path",
+    "--fit",       "--difference", "--progressive", "--merge",  "--levels"};
 
 void checkOptions(const RenderArguments& arguments, const CLI::App& app) {
   std::vector<std::string_view> names(kOfOnePicture.begin(), kOfOnePicture.end());
@@ -108,6 +108,8 @@ int writeFilm(const RenderArguments& arguments, const CLI::App& app, const Saved
   const int64_t count = frameCount(film.path);
   if (is_one_file && arguments.resume)
     fail("{}: a film is written in one go; --continue is for pictures", arguments.output);
+  if (!is_one_file && app.count("--rate") > 0 && !arguments.resources.quiet)
+    printWarning("--rate changes nothing without a film; -o NAME.mp4 makes one");
   const std::vector<int64_t> frames = missingFrames(arguments, count);
   checkOutputs(arguments, film, frames, {});
   const bool is_quiet = arguments.resources.quiet;
