@@ -9,6 +9,7 @@
 #include "src/base/error.h"
 #include "src/gl/contexts/gl_choice.h"
 #include "tools/command_line/environment.h"
+#include "tools/options/view_arguments.h"
 
 namespace sluice {
 namespace {
@@ -93,6 +94,18 @@ TEST(DecodeOptions, temporaryFilesGoWhereTheUserSays) {
   EXPECT_EQ(decodeOptions().folder, "/scratch");
   const ScopedVariable unset("TMPDIR", nullptr);
   EXPECT_EQ(decodeOptions().folder, "");
+}
+
+// The window and the frames of a saved path open volumes as the library does.
+TEST(WebOf, passesOnCertificatesAndCache) {
+  WebOptions web;
+  web.cache = {"/kept", 5};
+  web.certificates = {"/ca.pem", "/certificates"};
+  const VolumeOptions::Web options = webOf(web, {"https://host/v.zarr"});
+  EXPECT_EQ(options.cache_folder, "/kept");
+  EXPECT_EQ(options.cache_bytes, 5U);
+  EXPECT_EQ(options.certificate_file, "/ca.pem");
+  EXPECT_EQ(options.certificate_folder, "/certificates");
 }
 
 TEST(Driver, keepsTheUsersFlags) {

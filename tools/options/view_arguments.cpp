@@ -45,6 +45,8 @@ VolumeOptions::Web webOf(const WebOptions& web, const std::vector<std::string>& 
   VolumeOptions::Web options = webAccess(buckets);
   options.cache_folder = web.cache.folder.string();
   options.cache_bytes = web.cache.budget_bytes;
+  options.certificate_file = web.certificates.file;
+  options.certificate_folder = web.certificates.folder;
   return options;
 }
 
