@@ -127,6 +127,25 @@ TEST_F(Outputs, withoutAPlaceAreRefusedBeforeTheVolumeIsRead) {
   made(render + "-o " + letters.substr(1) + ".png");
 }
 
+// `--csv -` prints, so that `-` as another output would be a surprising file.
+TEST_F(Outputs, calledAHyphenAreRefused) {
+  const std::string picture = std::string("render ") + kSmall + " --size 16 -q -o a.png ";
+  ASSERT_EQ(program_.run(picture + "--trace t.txt").status, 0);
+  for (const std::string& line :
+       {picture + "--force --report -", picture + "--force --trace -",
+        std::string("simulate t.txt --html -"), std::string("simulate t.txt --export -")}) {
+    const CommandResult result = program_.run(line);
+    EXPECT_EQ(result.status, 1) << line;
+    EXPECT_TRUE(isOneLine(result.output)) << result.output;
+    EXPECT_NE(result.output.find(" -: expected the name of a file"), std::string::npos)
+        << result.output;
+  }
+  EXPECT_FALSE(program_.exists("-"));
+  EXPECT_EQ(program_.run(picture + "--force --report ./-").status, 0);
+  EXPECT_TRUE(program_.exists("-"));
+  EXPECT_EQ(program_.run("simulate t.txt --csv -").status, 0);
+}
+
 TEST_F(Outputs, areNeverOneAnother) {
   const std::string render = "render w.nrrd --size 16 -o a.png ";
   refuses(render + "--report a.png", "is the same file as -o a.png");

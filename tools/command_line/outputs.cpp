@@ -194,6 +194,9 @@ void Outputs::checkNames(const std::vector<std::string>& more_read) const {
   for (const Output& output : outputs_) {
     if (isDevice(statusOf(output.path))) continue;
     const std::string what = output.option + " " + output.path.string() + ":";
+    if (output.path == "-")
+      fail("{} expected the name of a file; only --csv - prints; give ./- for a file of this name",
+           what);
     if (const auto target = targetOf(output.path)) {
       const auto [other, is_new] = seen.emplace(*target, &output);
       if (!is_new)
