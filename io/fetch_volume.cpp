@@ -169,10 +169,11 @@ class StoreFetch {
       }
     const std::string origin = fmt::format("{}\n{}\n", root_.name(), sha.finish());
     const std::string path = origin_path_.string();
+    std::error_code error;
+    if (origin_path_.has_parent_path()) fs::create_directories(origin_path_.parent_path(), error);
     Descriptor file = openAlone(path);
     if (!file) fail("{}: another process is fetching it", target_.string());
     if (textIn(file) == origin) return file;
-    std::error_code error;
     fs::remove_all(part_, error);
     if (error) fail("{}: cannot be removed: {}", part_.string(), error.message());
     const std::string what = fmt::format("{}: cannot be written", path);

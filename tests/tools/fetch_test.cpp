@@ -126,6 +126,10 @@ TEST_F(FetchProgram, copiesAStoreThatIsDrawnAlike) {
   const CommandResult checked = program_.run("pack --check v.zarr");
   EXPECT_EQ(checked.status, 0) << checked.output;
   EXPECT_EQ(program_.run("fetch " + server.address() + "/v.zarr").status, 1);
+  // A folder's name may end by a slash, and the folder around it need not be there.
+  const CommandResult slash = program_.run("fetch -q " + server.address() +
+                                           "/v.zarr -o new/v.zarr/ && diff -r v.zarr new/v.zarr");
+  EXPECT_EQ(slash.status, 0) << slash.output;
 }
 
 // Nothing is fetched before the terms are accepted: the name's server is not asked.

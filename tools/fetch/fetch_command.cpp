@@ -65,6 +65,8 @@ Wanted wantedBy(const FetchArguments& arguments) {
     if (wanted.expected.sha256.empty()) wanted.expected.sha256 = wanted.named->sha256;
   }
   if (!arguments.output.empty()) wanted.target = arguments.output;
+  // Shells end the name of a folder by a slash.
+  if (!wanted.target.has_filename()) wanted.target = wanted.target.parent_path();
   return wanted;
 }
 
