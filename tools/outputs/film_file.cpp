@@ -182,6 +182,7 @@ void FilmFile::awaitEnd() {
   // It is asked for errors alone, and ends with status 0 after some, such as a full disk at the
   // end.
   if (said.empty()) said = endOf(status);
+  for (size_t at = 0; (at = said.find('\n', at)) != std::string::npos;) said.replace(at, 1, "; ");
   if (!said.empty()) fail("{}: ffmpeg failed: {}", path_.string(), said);
 }
 
