@@ -104,8 +104,8 @@ struct VolumeInfo {
   int levels = 1;                     // levels of resolution that pictures may be drawn from
   bool was_opened_soon = false;       // VolumeOptions::opens_soon made a difference
   std::array<double, 2> value_range;  // least and greatest
-  // For people, one line each: choices among several, possible faults of the file, and an index or a
-  // cache that could not be written while the volume was opened.
+  // For people, one line each: choices among several, possible faults of the file, and an index or
+  // a cache that could not be written while the volume was opened.
   std::vector<std::string> warnings;
   // The files that it is read from, as far as is known; do not write over them.
   std::vector<std::string> files;

@@ -92,7 +92,8 @@ TEST(Films, sayInALineWhatIsMissing) {
   EXPECT_EQ(failed.status, 1);
   EXPECT_THAT(failed.output, HasSubstr("a.mp4: ffmpeg failed: no such encoder"));
   // The real one does so if the disk is full when it closes the file.
-  const FakeFfmpeg full(program, std::string(FakeFfmpeg::kWrites) + "echo No space left >&2; echo closing >&2\n");
+  const FakeFfmpeg full(
+      program, std::string(FakeFfmpeg::kWrites) + "echo No space left >&2; echo closing >&2\n");
   const CommandResult cut = film(program, render + "--frames 2");
   EXPECT_EQ(cut.status, 1);
   EXPECT_THAT(cut.output, HasSubstr("a.mp4: ffmpeg failed: No space left; closing\n"));
