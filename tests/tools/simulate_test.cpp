@@ -229,6 +229,8 @@ TEST(Simulate, refusesWhatItWouldDropOrCannotReplay) {
       {"simulate a.csv --threshold 3", 2, "--threshold"},
       {"simulate a.csv --fixed-plan", 2, "--fixed-plan"},
       {small + " --page-bytes 4096", 2, "--page-bytes"},
+      {small + " --format csv", 2, "--format: is for traces, and synth:shells"},
+      {"simulate https://host/v.zarr --format csv", 2, "--format: is for traces"},
       {small + " --occlusion cull", 2, "--occlusion"},
       {small + " --time-limit 1", 2, "--time-limit"},
       {"simulate a.csv --prefetch sometimes", 2, "next-cluster"},

@@ -7,8 +7,10 @@
 #include <utility>
 
 #include "cache/model/page_geometry.h"
+#include "io/web/address.h"
 #include "src/base/files/atomic_file.h"
 #include "src/base/values/bytes.h"
+#include "src/base/values/synth_name.h"
 #include "tools/command_line/console.h"
 #include "tools/commands/commands.h"
 #include "tools/options/idle_options.h"
@@ -84,6 +86,9 @@ void checkArguments(const CLI::App& app, const SimulateArguments& arguments,
     if (!isTraceFile(inputs[i]))
       throw CLI::ValidationError(
           inputs[i], "is not known as a trace, and traces can be combined with traces only");
+  for (const std::string& name : inputs)
+    if (arguments.format && (isSynthSpec(name) || isAddress(name)))
+      throw CLI::ValidationError("--format", "is for traces, and " + name + " is a volume");
   const bool is_trace = arguments.isTrace();
   for (const std::string& name : of_volumes)
     if (is_trace && app.count(name) > 0)
