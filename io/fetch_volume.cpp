@@ -173,7 +173,13 @@ class StoreFetch {
     if (origin_path_.has_parent_path()) fs::create_directories(origin_path_.parent_path(), error);
     Descriptor file = openAlone(path);
     if (!file) fail("{}: another process is fetching it", target_.string());
-    if (textIn(file) == origin) return file;
+    const std::string known = textIn(file);
+    if (known == origin) return file;
+    if (known.empty() && fs::exists(part_)) {
+      fs::remove(origin_path_, error);
+      fail("{}: expected nothing of this name, or what a fetch began; move or remove it",
+           part_.string());
+    }
     fs::remove_all(part_, error);
     if (error) fail("{}: cannot be removed: {}", part_.string(), error.message());
     const std::string what = fmt::format("{}: cannot be written", path);

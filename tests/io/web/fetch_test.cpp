@@ -371,6 +371,17 @@ TEST_F(BegunStore, beginsAnewIfItIsAnotherStoreOrHasChanged) {
   EXPECT_TRUE(allSteps(*openVolume(target_.string())) == voxelsOf("one_shard"));
 }
 
+TEST_F(BegunStore, removesNothingThatNoFetchBegan) {
+  const WebServer server(folder_);
+  const fs::path own = target_.string() + ".part";
+  fs::create_directories(own / "notes");
+  ProgressMeter nobody;
+  EXPECT_THAT(errorOf([&] { fetchVolume(server.address() + "/one_shard", target_, {}, nobody); }),
+              HasSubstr("move or remove it"));
+  EXPECT_TRUE(fs::exists(own / "notes"));
+  EXPECT_FALSE(fs::exists(target_.string() + ".part-of"));
+}
+
 TEST_F(BegunStore, isOneProcessesAlone) {
   const WebServer server(folder_);
   begin(server.address() + "/one_shard");
