@@ -70,6 +70,18 @@ TEST(PackCommand, aPackedVolumeGivesTheSamePicture) {
     }
 }
 
+// Chunks are filled up to their side, a GB of them for each time step.
+TEST(PackCommand, chunksAreNotMuchLargerThanTheVolume) {
+  const Program program;
+  const auto sideOf = [&](const std::string& command) {
+    EXPECT_EQ(program.run(command).status, 0);
+    return nlohmann::json::parse(readFile(program.folder / "v.zarr/0/.zarray"))["chunks"].back();
+  };
+  EXPECT_EQ(sideOf("pack synth:mixing,dims=20x20x20,steps=2 -o v.zarr --chunk 1024"), 64);
+  EXPECT_EQ(sideOf("pack synth:noise,dims=20x150x20 -o v.zarr --chunk 1024 --force"), 256);
+  EXPECT_EQ(sideOf("pack synth:noise,dims=20x20x20 -o v.zarr --chunk 16 --force"), 16);
+}
+
 // Time steps, slices and channels in another order than the store's, and read back by others.
 TEST(PackCommand, allChannelsArePackedAndNamed) {
   if (runCommand("/usr/bin/python3 -c 'import numpy, tifffile, zarr'").status != 0)

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdio>
 #include <memory>
@@ -109,10 +110,19 @@ std::vector<std::unique_ptr<VolumeSource>> openEachChannel(const VolumeArguments
   return channels;
 }
 
+// The wanted side, or less if one chunk holds the volume anyway: chunks are filled up to their
+// side, which takes seconds and gigabytes at 1024 voxels.
+int64_t chunkSide(const PackArguments& arguments, Vec3i dims) {
+  const int64_t wanted = arguments.pack.chunk_voxels;
+  const auto longest = static_cast<uint64_t>(std::max({dims.x, dims.y, dims.z}));
+  // The sides of shards count in wanted chunks.
+  if (arguments.shard || longest > static_cast<uint64_t>(wanted)) return wanted;
+  return std::min(wanted, std::max(int64_t{64}, static_cast<int64_t>(std::bit_ceil(longest))));
+}
+
 // The wanted one, or about 512 voxels a side: a volume of 2048 a side is 64 files.
-Vec3i shardOf(const PackArguments& arguments) {
+Vec3i shardOf(const PackArguments& arguments, int64_t chunk) {
   constexpr int64_t kUsualSide = 512;
-  const int64_t chunk = arguments.pack.chunk_voxels;
   const int64_t side = std::max<int64_t>(kUsualSide / chunk, 1) * chunk;
   return arguments.shard.value_or(Vec3i{side, side, side});
 }
@@ -132,7 +142,8 @@ int pack(const PackArguments& arguments) {
   PackOptions options = arguments.pack;
   options.downsample = inOrder(options.downsample);
   options.stop = interruption();
-  if (arguments.zarr == 3) options.shard_voxels = shardOf(arguments);
+  options.chunk_voxels = chunkSide(arguments, layout.dims);
+  if (arguments.zarr == 3) options.shard_voxels = shardOf(arguments, options.chunk_voxels);
   if (arguments.zarr == 2 && arguments.shard)
     fail("--shard: Zarr 2 has no shards, expected --zarr 3 with it");
   options.memory_bytes = memoryBudget(arguments.resources);
@@ -238,7 +249,7 @@ Command addPack(CLI::App& program) {
   CLI::Option* output =
       store.text("-o,--output", "DIR.zarr", arguments->output, "The store, NAME.zarr");
   store.number("--chunk", "N", arguments->pack.chunk_voxels, {4, 1024},
-               "Voxels per side of a chunk");
+               "Voxels per side of a chunk; fewer for a volume that is smaller");
   store.choice("--zarr", Words<int>{{"2", 2}, {"3", 3}}, arguments->zarr,
                "Version of Zarr: 2 (OME-Zarr 0.4), or 3 (OME-Zarr 0.5), which has shards");
   store.parsed(
