@@ -50,9 +50,10 @@ picture() { # NAME CAPTION COMMAND
 cat >"$page" <<'HEAD'
 # Gallery
 
-One command draws each picture. `tools/gallery.sh DATA` draws all of them again. DATA is a folder with the volumes
-that the page of [data sets](../datasets.md) names. Volumes whose names begin with `synth:` need no file. The first
-picture, `contact-sheet.png`, shows every volume as `sluice render FILE -o x.png` draws it without further options.
+Above each picture is the command that draws it. `tools/gallery.sh DATA` draws all pictures again. DATA is a folder with
+the volumes that the page of [data sets](../datasets.md) names. Volumes whose names begin with `synth:` need no file.
+The exception is the first picture, `contact-sheet.png`: it shows every volume as `sluice render FILE -o x.png` draws it
+without further options.
 
 ![Every volume without options](contact-sheet.png)
 
@@ -78,9 +79,9 @@ picture smoke 'Smoke from an OpenVDB file, in perspective' \
   'sluice render data/smoke.vdb -o smoke.png --projection perspective --background 202830'
 picture fingers 'Salt that sinks through water, step 30 of a series' \
   "sluice render 'data/viscous-fingers/step_%03d.nrrd' -o fingers.png --time 30 --map inferno --up 0,0,1 --background 000000"
-picture skull 'The skull as a surface, under the skin as a translucent one' \
+picture skull 'The skull as an opaque surface, under the skin as a translucent surface' \
   "sluice render 'data/cthead/%03d.tif' -o skull.png --spacing 1,1,2 --up 0,0,-1 --azimuth 215 --elevation -10 --iso '35:0.3:e0a080,95:1:f4efe2' --occlusion-light"
-picture parts 'The parts of the engine block that are of another metal' \
+picture parts 'The engine block as a translucent surface, with its parts of another metal as an opaque one' \
   "sluice render data/engine.nii.gz -o parts.png --iso '90:0.25:9fb8cc,180:1:e0a030' --occlusion-light"
 picture enamel 'The enamel of the tooth, and the pulp inside' \
   "sluice render data/tooth/tooth.nhdr -o enamel.png --up 0,0,-1 --iso '500:0.3:f2ead8,900:1:d8b070'"
