@@ -18,8 +18,9 @@ namespace sluice {
 
 // What a store tells of a piece before it hands out bytes.
 struct PieceInfo {
-  uint64_t bytes = 0;        // of the whole piece
-  bool has_changed = false;  // since the store was opened
+  uint64_t bytes = 0;          // of the whole piece
+  bool has_changed = false;    // since the store was opened
+  bool comes_in_parts = true;  // false: a part was asked for, and the whole piece comes
 };
 
 // The bytes of a piece that are wanted.
@@ -53,6 +54,12 @@ class ChunkStore {
   // it, if there is no such piece. Throws Error, naming the piece: it cannot be read, or is shorter
   // than that; and what `room` throws.
   virtual bool read(const std::string& key, const PieceBytes& wanted, const Room& room) = 0;
+
+  // Hands out all bytes of a piece in their order, a few at a time, where it does not come in
+  // parts. Returns false if there is no such piece. Throws Error, naming the piece: not all of it
+  // came, or its stamp is another one; and what `take` throws.
+  using Take = std::function<void(std::span<const std::byte> bytes)>;
+  virtual bool stream(const std::string& key, const std::string& stamp, const Take& take);
 
   // The copy of a piece that this machine keeps, if read() asked for just these bytes before: its
   // length, and with `out` its bytes, which must have that length. nullopt: there is none, it is

@@ -57,6 +57,7 @@ void writeKnown(const fs::path& path, const Known& known) {
 struct FirstPiece {
   std::vector<std::byte> bytes;
   uint64_t whole = 0;
+  bool comes_in_parts = true;
 };
 
 class Download {
@@ -77,7 +78,8 @@ class Download {
     try {
       return runLocked();
     } catch (...) {
-      if (bytesThere() == 0) removeParts();  // there is nothing to go on with
+      // Nothing is there, or nothing that the next run could go on with.
+      if (bytesThere() == 0 || !fs::exists(known_path_)) removeParts();
       throw;
     }
   }
@@ -102,7 +104,7 @@ class Download {
            *expected_.bytes, first->whole);
     }
     Known now{name_, object_.store->stampOf(object_.key), first->whole};
-    if (there > 0 && *known != now) {
+    if (there > 0 && (*known != now || !first->comes_in_parts)) {
       there = 0;
       first = readFirst(0);
       if (!first) fail("{}: went away while it was fetched", name_);
@@ -112,8 +114,12 @@ class Download {
     progress_.expect(first->whole);
     hashStart(there);
     progress_.add(there);
-    append(first->bytes, there);
-    readRest(there + first->bytes.size(), now);
+    if (first->comes_in_parts || first->bytes.size() == first->whole) {
+      append(first->bytes, there);
+      readRest(there + first->bytes.size(), now);
+    } else {
+      readAsItComes(now);
+    }
     return finish(now, there);
   }
 
@@ -148,6 +154,8 @@ class Download {
         object_.store->read(object_.key, {PieceBytes::From::kStart, from, options_.piece_bytes},
                             [&](const PieceInfo& info) {
                               piece.whole = info.bytes;
+                              piece.comes_in_parts = info.comes_in_parts;
+                              if (from > 0 && !info.comes_in_parts) return std::span(piece.bytes);
                               piece.bytes.resize(std::min<uint64_t>(
                                   options_.piece_bytes, info.bytes - std::min(info.bytes, from)));
                               return std::span(piece.bytes);
@@ -212,6 +220,20 @@ class Download {
           return std::span(buffer);
         });
     if (!is_there) fail("{}: went away while it was fetched", name_);
+  }
+
+  // In one piece, of which a later run could not ask for the rest: it begins anew, since nothing
+  // tells what the bytes are that are there.
+  void readAsItComes(const Known& now) {
+    fs::remove(known_path_);
+    uint64_t got = 0;
+    const bool is_there =
+        object_.store->stream(object_.key, now.stamp, [&](std::span<const std::byte> bytes) {
+          options_.stop.throwIfStopped();
+          append(bytes, got);
+          got += bytes.size();
+        });
+    if (!is_there || got != now.bytes) fail("{}: changed while it was fetched; try again", name_);
   }
 
   // False: another thread has failed.

@@ -3,7 +3,7 @@
 // The bytes go to FILE.part, and what is known of the object to FILE.part-of; once all bytes are
 // there and the checksum is right, FILE.part becomes FILE. So a download that ends early, killed or
 // without a connection, goes on where it stopped, and FILE is whole or not there. An object that
-// has changed since is begun anew.
+// has changed since, or that comes whole instead of in parts, is begun anew.
 #pragma once
 
 #include <cstdint>

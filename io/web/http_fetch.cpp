@@ -101,10 +101,12 @@ bool HttpFetch::takeHead(const HttpHead& head) {
       fail("{}: changed while it was read; open it again", name_);
     }
     const uint64_t from = head.status == kPart ? *head.first_byte : 0;
+    if (out_.empty()) return true;
     if (from > next() || next() - from > kMostSkippedBytes || first_ + out_.size() > whole_)
       failSystem(
           "{}: expected its bytes from {} to {}, found an answer with those from {} on, of {}; the "
-          "server must be able to send parts of objects",
+          "server must be able to send parts of objects (sluice fetch copies a file from any "
+          "server)",
           name_, next(), first_ + out_.size(), from, whole_);
     skips_ = next() - from;
   } catch (...) {
@@ -115,7 +117,8 @@ bool HttpFetch::takeHead(const HttpHead& head) {
 }
 
 void HttpFetch::takeRoom(uint64_t whole, const std::string& stamp) {
-  out_ = room_({whole, known_stamp_.value_or(stamp) != stamp});
+  const bool comes_in_parts = head_.status != kOk || wanted_.from == PieceBytes::From::kAll;
+  out_ = room_({whole, known_stamp_.value_or(stamp) != stamp, comes_in_parts});
   whole_ = whole;
   stamp_ = stamp;
   first_ = wanted_.from == PieceBytes::From::kEnd ? whole_ - std::min<uint64_t>(whole_, out_.size())
@@ -185,6 +188,42 @@ HttpFetch::Outcome HttpFetch::run(const StopToken& stop, bool tries_again) {
     const double wait = kFirstWait * static_cast<double>(1 << std::clamp(tries - 1, 0, 5));
     waitFor(std::clamp(head_.retry_after_s, std::min(wait, kMostWait), kMostWait), stop);
   }
+}
+
+bool streamObject(HttpClient& client, const std::string& name, const std::string& url,
+                  const std::string& stamp, const ChunkStore::Take& take, const StopToken& stop) {
+  HttpHead head;
+  uint64_t got = 0;
+  std::exception_ptr error;
+  const HttpEnd end = client.get({url, "", "",
+                                  [&](const HttpHead& of_answer) {
+                                    head = of_answer;
+                                    return head.status == kOk && head.stamp == stamp;
+                                  },
+                                  [&](std::span<const std::byte> bytes) {
+                                    try {
+                                      take(bytes);
+                                    } catch (...) {
+                                      error = std::current_exception();
+                                      return false;
+                                    }
+                                    got += bytes.size();
+                                    return true;
+                                  }},
+                                 stop);
+  if (error) std::rethrow_exception(error);
+  if (head.status == kNotFound || head.status == kGone) return false;
+  if (head.status != kOk)
+    failSystem("{}: {}; try again later", name,
+               head.status == 0 ? end.fault
+                                : fmt::format("the server answered with status {}", head.status));
+  if (head.stamp != stamp) fail("{}: changed while it was read; try again", name);
+  if (!end.fault.empty() || got != head.length.value_or(got))
+    failSystem(
+        "{}: {} of {} bytes came{}; the server does not send parts of objects, so that the same "
+        "command begins anew",
+        name, got, head.length.value_or(0), end.fault.empty() ? "" : ": " + end.fault);
+  return true;
 }
 
 }  // namespace sluice

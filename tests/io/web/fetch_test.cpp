@@ -89,14 +89,14 @@ class Fetch : public testing::Test {
   void leavePart(const WebServer& server, uint64_t bytes, const std::string& stamp) const {
     std::ofstream(target_.string() + ".part", std::ios::binary) << content_.substr(0, bytes);
     std::ofstream(target_.string() + ".part-of") << server.address() << "/data/head.raw\n"
-                                                 << kBytes << "\n"
+                                                 << content_.size() << "\n"
                                                  << stamp << "\n";
   }
   // The ETag of the server.
   std::string stamp() const {
     struct stat about {};
     stat((served_ / "data/head.raw").c_str(), &about);
-    return "\"first-" + std::to_string(kBytes) + "-" +
+    return "\"first-" + std::to_string(content_.size()) + "-" +
            std::to_string(about.st_mtim.tv_sec * 1000000000 + about.st_mtim.tv_nsec) + "\"";
   }
 
@@ -135,8 +135,8 @@ TEST_F(Fetch, faultsThatPassChangeNoByte) {
 }
 
 TEST_F(Fetch, faultsThatDoNotPassAreOneLineAndNoFile) {
-  const std::map<std::string, std::string> lines = {
-      {"changed", "changed while"}, {"gzip", "Content-Encoding"}, {"whole", "able to send parts"}};
+  const std::map<std::string, std::string> lines = {{"changed", "changed while"},
+                                                    {"gzip", "Content-Encoding"}};
   for (const auto& [fault, line] : lines) {
     SCOPED_TRACE(fault);
     const TempFolder folder;
@@ -150,6 +150,41 @@ TEST_F(Fetch, faultsThatDoNotPassAreOneLineAndNoFile) {
     EXPECT_FALSE(fs::exists(target_));
     fs::remove(target_.string() + ".part");
   }
+}
+
+// As Python's http.server sends it.
+TEST_F(Fetch, copiesInOneGoWhatDoesNotComeInParts) {
+  while (content_.size() < 4 * kBytes) content_ += content_;
+  std::ofstream(served_ / "data/head.raw", std::ios::binary) << content_;
+  const WebServer server(served_.path(), "whole");
+  const std::string part = target_.string() + ".part";
+  FetchOptions with = options();
+  with.expected = {content_.size(), sha256Of(content_)};
+  uint64_t most = 0;
+  const auto fetchWatched = [&](const ProgressWatch& watch) {
+    ProgressMeter meter(watch);
+    return fetchVolume(server.address() + "/data/head.raw", target_, with, meter);
+  };
+  // A run that ends early leaves nothing that a later one would take for the beginning of the file.
+  EXPECT_THAT(errorOf([&] {
+                fetchWatched([&](uint64_t done, uint64_t) {
+                  most = std::max(most, done);
+                  if (done > kBytes) fail("enough");
+                });
+              }),
+              HasSubstr("enough"));
+  EXPECT_GT(most, kBytes);
+  EXPECT_LT(most, content_.size());
+  EXPECT_FALSE(fs::exists(target_) || fs::exists(part) || fs::exists(part + "-of"));
+  const FetchedVolume fetched = fetchWatched(
+      [&](uint64_t done, uint64_t) { EXPECT_TRUE(done <= kBytes || !fs::exists(part + "-of")); });
+  expectWhole();
+  EXPECT_EQ(fetched.object.sha256, sha256Of(content_));
+  // The server sent parts when an earlier run began.
+  fs::remove(target_);
+  leavePart(server, 3 * kBytes, stamp());
+  EXPECT_EQ(fetchWatched({}).object.resumed_bytes, 0U);
+  expectWhole();
 }
 
 // Servers answer 416 to a request for the first part of an empty file.
