@@ -34,6 +34,10 @@ struct WebCertificates {
   std::string file, folder;  // of PEM; as `openssl rehash` arranges them
 };
 
+inline constexpr const char* kNoCacheFolder =
+    "--cache: expected a folder for it, found none, because neither XDG_CACHE_HOME nor HOME names "
+    "one; give --cache-dir";
+
 struct WebOptions {
   BucketAccess buckets = {};
   // Finds `buckets` when the first s3:// address is opened; not set: they are known.

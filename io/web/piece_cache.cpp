@@ -144,10 +144,7 @@ bool CachedPiece::read(std::span<std::byte> out) const {
 
 PieceCache::PieceCache(fs::path folder, uint64_t budget_bytes)
     : folder_(std::move(folder)), budget_(budget_bytes) {
-  if (folder_.empty())
-    failSystem(
-        "--cache: expected a folder for it, found none, because neither XDG_CACHE_HOME nor HOME "
-        "names one; give --cache-dir");
+  if (folder_.empty()) failSystem("{}", kNoCacheFolder);
   std::error_code error;
   const bool is_new = fs::create_directories(folder_ / "pieces", error);
   if (is_new) fs::permissions(folder_, kFolderMode, error);

@@ -106,6 +106,9 @@ TEST(WebOf, passesOnCertificatesAndCache) {
   EXPECT_EQ(options.cache_bytes, 5U);
   EXPECT_EQ(options.certificate_file, "/ca.pem");
   EXPECT_EQ(options.certificate_folder, "/certificates");
+  // A limit without a folder would be no cache.
+  web.cache.folder.clear();
+  EXPECT_THROW(webOf(web, {"https://host/v.zarr"}), Error);
 }
 
 TEST(Driver, keepsTheUsersFlags) {

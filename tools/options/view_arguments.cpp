@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "io/web/address.h"
+#include "src/base/error.h"
 #include "src/library/conversions.h"
 
 namespace sluice {
@@ -43,6 +45,7 @@ VolumeOptions::Web webOf(const WebOptions& web, const std::vector<std::string>& 
   BucketAccess buckets = web.buckets;
   if (web.find_buckets && std::ranges::any_of(paths, isBucketAddress)) buckets = web.find_buckets();
   VolumeOptions::Web options = webAccess(buckets);
+  if (web.cache.budget_bytes > 0 && web.cache.folder.empty()) failSystem("{}", kNoCacheFolder);
   options.cache_folder = web.cache.folder.string();
   options.cache_bytes = web.cache.budget_bytes;
   options.certificate_file = web.certificates.file;
