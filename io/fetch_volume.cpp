@@ -95,8 +95,16 @@ std::string textIn(const Descriptor& file) {
   constexpr size_t kMostBytes = 1 << 16;
   std::string text(kMostBytes, '\0');
   const ssize_t got = pread(file.get(), text.data(), text.size(), 0);
-  text.resize(got > 0 ? static_cast<size_t>(got) : 0);
+  text.resize(got > 0 && static_cast<size_t>(got) < kMostBytes ? static_cast<size_t>(got) : 0);
   return text;
+}
+
+// Whether it is what StoreFetch writes: a name and 64 digits, a line each.
+bool isOrigin(const std::string& text) {
+  constexpr size_t kDigits = 64;
+  const size_t end = text.find('\n');
+  return end != std::string::npos && text.size() == end + 1 + kDigits + 1 &&
+         text.find_first_not_of("0123456789abcdef", end + 1) == text.size() - 1;
 }
 
 // The array that a metadata file describes; nullopt: it is a group's.
@@ -175,10 +183,10 @@ class StoreFetch {
     if (!file) fail("{}: another process is fetching it", target_.string());
     const std::string known = textIn(file);
     if (known == origin) return file;
-    if (known.empty() && fs::exists(part_)) {
-      fs::remove(origin_path_, error);
+    if (!isOrigin(known) && (!known.empty() || fs::exists(part_))) {
+      if (known.empty()) fs::remove(origin_path_, error);
       fail("{}: expected nothing of this name, or what a fetch began; move or remove it",
-           part_.string());
+           known.empty() ? part_.string() : path);
     }
     fs::remove_all(part_, error);
     if (error) fail("{}: cannot be removed: {}", part_.string(), error.message());

@@ -1,5 +1,7 @@
 #include "io/stores/chunk_store.h"
 
+#include "src/base/error.h"
+
 namespace sluice {
 namespace {
 
@@ -11,9 +13,10 @@ std::string trimmed(std::string key) {
 
 }  // namespace
 
-bool ChunkStore::stream(const std::string& key, const std::string& /*stamp*/, const Take& take) {
+bool ChunkStore::stream(const std::string& key, const KnownPiece& known, const Take& take) {
   std::vector<std::byte> bytes;
   const bool is_there = read(key, {}, [&](const PieceInfo& piece) {
+    if (piece.bytes != known.bytes) fail("{}: changed while it was read; try again", nameOf(key));
     bytes.resize(piece.bytes);
     return std::span(bytes);
   });

@@ -23,6 +23,12 @@ struct PieceInfo {
   bool comes_in_parts = true;  // false: a part was asked for, and the whole piece comes
 };
 
+// What was told of a piece before.
+struct KnownPiece {
+  std::string stamp;  // empty: not known
+  uint64_t bytes = 0;
+};
+
 // The bytes of a piece that are wanted.
 struct PieceBytes {
   enum class From { kAll, kStart, kEnd };
@@ -57,9 +63,9 @@ class ChunkStore {
 
   // Hands out all bytes of a piece in their order, a few at a time, where it does not come in
   // parts. Returns false if there is no such piece. Throws Error, naming the piece: not all of it
-  // came, or its stamp is another one; and what `take` throws.
+  // came, or it is not as it is known; and what `take` throws.
   using Take = std::function<void(std::span<const std::byte> bytes)>;
-  virtual bool stream(const std::string& key, const std::string& stamp, const Take& take);
+  virtual bool stream(const std::string& key, const KnownPiece& known, const Take& take);
 
   // The copy of a piece that this machine keeps, if read() asked for just these bytes before: its
   // length, and with `out` its bytes, which must have that length. nullopt: there is none, it is

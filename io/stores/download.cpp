@@ -28,6 +28,7 @@ namespace fs = std::filesystem;
 struct Known {
   std::string name, stamp;
   uint64_t bytes = 0;
+  bool comes_whole = false;  // no later run can ask for the rest
   friend bool operator==(const Known&, const Known&) = default;
 };
 
@@ -38,6 +39,8 @@ std::optional<Known> readKnown(const fs::path& path) {
   if (!std::getline(file, known.name) || !std::getline(file, bytes) ||
       !std::getline(file, known.stamp))
     return std::nullopt;
+  std::string mark;
+  known.comes_whole = static_cast<bool>(std::getline(file, mark));
   try {
     known.bytes = std::stoull(bytes);
   } catch (const std::exception&) {
@@ -49,6 +52,7 @@ std::optional<Known> readKnown(const fs::path& path) {
 void writeKnown(const fs::path& path, const Known& known) {
   std::ofstream file(path, std::ios::trunc);
   file << known.name << '\n' << known.bytes << '\n' << known.stamp << '\n';
+  if (known.comes_whole) file << "comes whole\n";
   file.close();
   if (!file) fail("{}: cannot be written: {}", path.string(), std::strerror(errno));
 }
@@ -75,20 +79,23 @@ class Download {
 
   std::optional<Downloaded> run() {
     openPart();
+    const std::optional<Known> known = readKnown(known_path_);
+    if (!known && bytesThere() > 0)
+      fail("{}: expected nothing of this name, or what a fetch began; move or remove it",
+           part_path_.string());
     try {
-      return runLocked();
+      return runLocked(known);
     } catch (...) {
-      // Nothing is there, or nothing that the next run could go on with.
-      if (bytesThere() == 0 || !fs::exists(known_path_)) removeParts();
+      // There is nothing that the next run could go on with.
+      if (bytesThere() == 0 || comes_whole_) removeParts();
       throw;
     }
   }
 
  private:
-  std::optional<Downloaded> runLocked() {
+  std::optional<Downloaded> runLocked(const std::optional<Known>& known) {
     uint64_t there = bytesThere();
-    std::optional<Known> known = readKnown(known_path_);
-    if (!known || known->name != name_ || known->bytes < there) there = 0;
+    if (!known || known->name != name_ || known->bytes < there || known->comes_whole) there = 0;
     if (there > 0 && there == known->bytes) {
       // All was read, and only the check and the new name are missing.
       return finish(*known, there);
@@ -110,15 +117,17 @@ class Download {
       if (!first) fail("{}: went away while it was fetched", name_);
     }
     if (there == 0 && ftruncate(part_.get(), 0) != 0) failPart();
+    comes_whole_ = !first->comes_in_parts && first->bytes.size() < first->whole;
+    now.comes_whole = comes_whole_;
     writeKnown(known_path_, now);
     progress_.expect(first->whole);
     hashStart(there);
     progress_.add(there);
-    if (first->comes_in_parts || first->bytes.size() == first->whole) {
+    if (comes_whole_) {
+      readAsItComes(now);
+    } else {
       append(first->bytes, there);
       readRest(there + first->bytes.size(), now);
-    } else {
-      readAsItComes(now);
     }
     return finish(now, there);
   }
@@ -180,8 +189,8 @@ class Download {
 
   void append(std::span<const std::byte> bytes, uint64_t offset) {
     writeAllAt(part_.get(), bytes, offset,
-               fmt::format("{}: write failed; once there is room, the same command goes on",
-                           part_path_.string()));
+               fmt::format("{}: write failed; once there is room, the same command {}",
+                           part_path_.string(), comes_whole_ ? "begins anew" : "goes on"));
     if (options_.has_checksum) sha_.add(bytes);
     progress_.add(bytes.size());
   }
@@ -222,18 +231,18 @@ class Download {
     if (!is_there) fail("{}: went away while it was fetched", name_);
   }
 
-  // In one piece, of which a later run could not ask for the rest: it begins anew, since nothing
-  // tells what the bytes are that are there.
-  void readAsItComes(const Known& now) {
-    fs::remove(known_path_);
+  // In one piece, of which a later run could not ask for the rest.
+  void readAsItComes(Known now) {
     uint64_t got = 0;
-    const bool is_there =
-        object_.store->stream(object_.key, now.stamp, [&](std::span<const std::byte> bytes) {
-          options_.stop.throwIfStopped();
-          append(bytes, got);
-          got += bytes.size();
-        });
+    const bool is_there = object_.store->stream(object_.key, {now.stamp, now.bytes},
+                                                [&](std::span<const std::byte> bytes) {
+                                                  options_.stop.throwIfStopped();
+                                                  append(bytes, got);
+                                                  got += bytes.size();
+                                                });
     if (!is_there || got != now.bytes) fail("{}: changed while it was fetched; try again", name_);
+    comes_whole_ = now.comes_whole = false;  // all of it is there
+    writeKnown(known_path_, now);
   }
 
   // False: another thread has failed.
@@ -279,6 +288,7 @@ class Download {
   const fs::path part_path_, known_path_;
   const std::string name_;
   Descriptor part_;
+  bool comes_whole_ = false;  // see Known
   Sha256 sha_;
   Mutex mutex_;
   Condition changed_;

@@ -99,6 +99,8 @@ bool HttpFetch::takeHead(const HttpHead& head) {
       takeRoom(*whole, head.stamp);
     } else if (*whole != whole_ || head.stamp != stamp_) {
       fail("{}: changed while it was read; open it again", name_);
+    } else if (head.status == kOk && first_ == 0 && got_ > kMostSkippedBytes) {
+      got_ = 0;  // the rest was asked for, and all comes again
     }
     const uint64_t from = head.status == kPart ? *head.first_byte : 0;
     if (out_.empty()) return true;
@@ -173,7 +175,8 @@ HttpFetch::Outcome HttpFetch::run(const StopToken& stop, bool tries_again) {
       return Outcome::kMissing;
     }
     if (head_.status != 0 && !is_answer && !mayPass(head_.status)) refuse(head_);
-    if (got_ - before >= (end.is_silent ? kLeastSilentTryBytes : kLeastTryBytes)) {
+    const uint64_t came = got_ > before ? got_ - before : 0;
+    if (came >= (end.is_silent ? kLeastSilentTryBytes : kLeastTryBytes)) {
       since = Clock::now();
       tries = 0;
     }
@@ -191,38 +194,44 @@ HttpFetch::Outcome HttpFetch::run(const StopToken& stop, bool tries_again) {
 }
 
 bool streamObject(HttpClient& client, const std::string& name, const std::string& url,
-                  const std::string& stamp, const ChunkStore::Take& take, const StopToken& stop) {
+                  const KnownPiece& known, const ChunkStore::Take& take, const StopToken& stop) {
   HttpHead head;
+  bool is_as_known = false;
   uint64_t got = 0;
   std::exception_ptr error;
-  const HttpEnd end = client.get({url, "", "",
-                                  [&](const HttpHead& of_answer) {
-                                    head = of_answer;
-                                    return head.status == kOk && head.stamp == stamp;
-                                  },
-                                  [&](std::span<const std::byte> bytes) {
-                                    try {
-                                      take(bytes);
-                                    } catch (...) {
-                                      error = std::current_exception();
-                                      return false;
-                                    }
-                                    got += bytes.size();
-                                    return true;
-                                  }},
-                                 stop);
+  const auto on_head = [&](const HttpHead& of_answer) {
+    head = of_answer;
+    is_as_known = (known.stamp.empty() || head.stamp == known.stamp) &&
+                  head.length.value_or(known.bytes) == known.bytes && !head.is_encoded;
+    return head.status == kOk && is_as_known;
+  };
+  const auto on_body = [&](std::span<const std::byte> bytes) {
+    if (bytes.size() > known.bytes - got) {
+      is_as_known = false;
+      return false;
+    }
+    try {
+      take(bytes);
+    } catch (...) {
+      error = std::current_exception();
+      return false;
+    }
+    got += bytes.size();
+    return true;
+  };
+  const HttpEnd end = client.get({url, "", "", on_head, on_body}, stop);
   if (error) std::rethrow_exception(error);
   if (head.status == kNotFound || head.status == kGone) return false;
   if (head.status != kOk)
     failSystem("{}: {}; try again later", name,
                head.status == 0 ? end.fault
                                 : fmt::format("the server answered with status {}", head.status));
-  if (head.stamp != stamp) fail("{}: changed while it was read; try again", name);
-  if (!end.fault.empty() || got != head.length.value_or(got))
+  if (!is_as_known) fail("{}: changed while it was read; try again", name);
+  if (got < known.bytes)
     failSystem(
         "{}: {} of {} bytes came{}; the server does not send parts of objects, so that the same "
         "command begins anew",
-        name, got, head.length.value_or(0), end.fault.empty() ? "" : ": " + end.fault);
+        name, got, known.bytes, end.fault.empty() ? "" : ": " + end.fault);
   return true;
 }
 

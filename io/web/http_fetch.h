@@ -72,6 +72,6 @@ class HttpFetch {
 
 // ChunkStore::stream() of an object, in one request that is not tried again.
 bool streamObject(HttpClient& client, const std::string& name, const std::string& url,
-                  const std::string& stamp, const ChunkStore::Take& take, const StopToken& stop);
+                  const KnownPiece& known, const ChunkStore::Take& take, const StopToken& stop);
 
 }  // namespace sluice

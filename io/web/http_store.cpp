@@ -116,8 +116,8 @@ bool HttpStore::read(const std::string& key, const PieceBytes& wanted, const Roo
   return fetch(key, wanted, room, {true, stop_});
 }
 
-bool HttpStore::stream(const std::string& key, const std::string& stamp, const Take& take) {
-  return streamObject(client_, nameOf(key), urlOf(key), stamp, take, stop_);
+bool HttpStore::stream(const std::string& key, const KnownPiece& known, const Take& take) {
+  return streamObject(client_, nameOf(key), urlOf(key), known, take, stop_);
 }
 
 std::optional<std::string> HttpStore::stampKnown(const std::string& key) {

@@ -35,7 +35,7 @@ class HttpStore final : public ChunkStore {
   bool has(const std::string& key) override;
   void expect(const std::vector<std::string>& keys) override;
   bool read(const std::string& key, const PieceBytes& wanted, const Room& room) override;
-  bool stream(const std::string& key, const std::string& stamp, const Take& take) override;
+  bool stream(const std::string& key, const KnownPiece& known, const Take& take) override;
   std::optional<uint64_t> keptCopy(const std::string& key, const PieceBytes& wanted,
                                    std::span<std::byte> out) override;
   std::string stampOf(const std::string& key) override;

@@ -12,6 +12,8 @@ range, the status and the bytes of the body. An ETag that is sent back is answer
   busy      status 429, with Retry-After: 0
   broken    status 503
   whole     200 and the whole object where a part was asked for, always
+  whole-drop  the same, and the first answer to such a request breaks off half way
+  whole-cut   the same, and the answers to other requests break off half way
   long      a Content-Length that is larger than what comes
   changed   from the twentieth request on, every object has another ETag
   forbidden status 403 for what is not there
@@ -36,7 +38,7 @@ import time
 folder, log = pathlib.Path(sys.argv[1]), open(sys.argv[2], 'w', buffering=1)
 fault = sys.argv[3] if len(sys.argv) > 3 else ''
 lock = threading.Lock()
-counted = {'all': 0, 'chunks': 0}
+counted = {'all': 0, 'chunks': 0, 'parts': 0}
 shaped_bytes_a_second = 100e6 / 8
 line_is_free_at = [0.0]  # of the shaped line
 
@@ -62,7 +64,7 @@ class Handler(http.server.BaseHTTPRequestHandler):
     def part_of(self, size):
         """First and last byte of the range, and whether there is one."""
         asked = self.headers.get('Range')
-        if not asked or fault == 'whole':
+        if not asked or fault.startswith('whole'):
             return 0, size - 1, False
         first, last = asked.removeprefix('bytes=').split('-')
         if first == '':
@@ -92,6 +94,11 @@ class Handler(http.server.BaseHTTPRequestHandler):
             is_chunk = not file.name.startswith(('.z', 'zarr.json'))
             counted['chunks'] += is_chunk
             goes_wrong = is_chunk and (counted['chunks'] % 3 == 0 or fault == 'later')
+            if fault.startswith('whole-'):
+                counted['parts'] += 'Range' in self.headers
+                goes_wrong = is_chunk and (
+                    fault == 'whole-drop' and counted['parts'] == 1 and 'Range' in self.headers or
+                    fault == 'whole-cut' and 'Range' not in self.headers)
             stamp = 'second' if fault == 'changed' and counted['all'] >= 20 else 'first'
         if fault == 'deaf':
             log.write(f'{path} - 0 0 -\n')
@@ -138,7 +145,7 @@ class Handler(http.server.BaseHTTPRequestHandler):
         if fault == 'gzip':
             self.send_header('Content-Encoding', 'gzip')
         self.end_headers()
-        if goes_wrong and fault == 'drop':
+        if goes_wrong and fault in ('drop', 'whole-drop', 'whole-cut'):
             part = part[:len(part) // 2]
         kinds = ['stall-chunks'] if is_chunk else ['stall-metadata']
         if not is_chunk and file.parent.name.isdigit() and file.parent.name != '0':
@@ -154,7 +161,7 @@ class Handler(http.server.BaseHTTPRequestHandler):
             self.send_shaped(part)
         else:
             self.wfile.write(part)
-        if goes_wrong and fault in ('drop', 'long'):
+        if goes_wrong and fault in ('drop', 'long', 'whole-drop', 'whole-cut'):
             self.close_connection = True
 
 

@@ -59,7 +59,8 @@ bool lockAlone(int descriptor, const std::string& path) {
 
 Descriptor openAlone(const std::string& path) {
   constexpr mode_t kFileMode = 0644;
-  for (;;) {
+  constexpr int kMostTries = 1000;
+  for (int tries = 0; tries < kMostTries; ++tries) {
     Descriptor file(open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, kFileMode));
     if (!file) failErrno(fmt::format("{}: cannot be written", path), errno);
     struct stat opened {
@@ -76,6 +77,7 @@ Descriptor openAlone(const std::string& path) {
         opened.st_ino == named.st_ino)
       return file;
   }
+  fail("{}: other processes begin and end it all the time; try again", path);
 }
 
 bool readAll(int descriptor, std::span<std::byte> out) {

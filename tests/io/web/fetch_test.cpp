@@ -176,8 +176,9 @@ TEST_F(Fetch, copiesInOneGoWhatDoesNotComeInParts) {
   EXPECT_GT(most, kBytes);
   EXPECT_LT(most, content_.size());
   EXPECT_FALSE(fs::exists(target_) || fs::exists(part) || fs::exists(part + "-of"));
-  const FetchedVolume fetched = fetchWatched(
-      [&](uint64_t done, uint64_t) { EXPECT_TRUE(done <= kBytes || !fs::exists(part + "-of")); });
+  const FetchedVolume fetched = fetchWatched([&](uint64_t done, uint64_t) {
+    EXPECT_TRUE(done == content_.size() || readFile(part + "-of").ends_with("comes whole\n"));
+  });
   expectWhole();
   EXPECT_EQ(fetched.object.sha256, sha256Of(content_));
   // The server sent parts when an earlier run began.
@@ -185,6 +186,30 @@ TEST_F(Fetch, copiesInOneGoWhatDoesNotComeInParts) {
   leavePart(server, 3 * kBytes, stamp());
   EXPECT_EQ(fetchWatched({}).object.resumed_bytes, 0U);
   expectWhole();
+}
+
+TEST_F(Fetch, anAnswerThatBreaksOffComesAgainFromItsStart) {
+  while (content_.size() < 4 * kBytes) content_ += content_;
+  std::ofstream(served_ / "data/head.raw", std::ios::binary) << content_;
+  FetchOptions with = options();
+  with.download.piece_bytes = 3 * kBytes;
+  fetch(WebServer(served_.path(), "whole-drop"), with);
+  expectWhole();
+  fs::remove(target_);
+  EXPECT_THAT(errorOf([&] { fetch(WebServer(served_.path(), "whole-cut"), with); }),
+              AllOf(HasSubstr("2000006 of 4000012 bytes came"), HasSubstr("begins anew"),
+                    Not(HasSubstr("\n"))));
+  EXPECT_TRUE(fs::is_empty(here_.path()));
+}
+
+TEST_F(Fetch, writesOverNothingThatNoFetchBegan) {
+  const WebServer server(served_.path());
+  const std::string own = target_.string() + ".part";
+  std::ofstream(own) << "notes";
+  EXPECT_EQ(errorOf([&] { fetch(server, options()); }),
+            own + ": expected nothing of this name, or what a fetch began; move or remove it");
+  EXPECT_EQ(readFile(own), "notes");
+  EXPECT_FALSE(fs::exists(target_));
 }
 
 // Servers answer 416 to a request for the first part of an empty file.
@@ -414,7 +439,13 @@ TEST_F(BegunStore, removesNothingThatNoFetchBegan) {
   EXPECT_THAT(errorOf([&] { fetchVolume(server.address() + "/one_shard", target_, {}, nobody); }),
               HasSubstr("move or remove it"));
   EXPECT_TRUE(fs::exists(own / "notes"));
-  EXPECT_FALSE(fs::exists(target_.string() + ".part-of"));
+  const std::string origin = target_.string() + ".part-of";
+  EXPECT_FALSE(fs::exists(origin));
+  std::ofstream(origin) << "to do\n";
+  EXPECT_THAT(errorOf([&] { fetchVolume(server.address() + "/one_shard", target_, {}, nobody); }),
+              StartsWith(origin + ": expected"));
+  EXPECT_TRUE(fs::exists(own / "notes"));
+  EXPECT_EQ(readFile(origin), "to do\n");
 }
 
 TEST_F(BegunStore, isOneProcessesAlone) {
