@@ -3,19 +3,18 @@
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
 #include <cerrno>
-#include <csignal>
 #include <fstream>
 #include <set>
 #include <thread>
 
 #include "src/base/error.h"
 #include "tests/support/error_of.h"
+#include "tests/support/file_size_limit.h"
 #include "tests/support/temp_folder.h"
 
 namespace {
@@ -218,18 +217,12 @@ TEST(AtomicFile, aFullDiskIsAnErrorAndLeavesTheOldFile) {
   const TempFolder folder;
   const auto path = folder / "out.txt";
   writeFile(path, "old");
-  // A limit on the size of files stands for a disk without room: write says so (EFBIG).
-  std::signal(SIGXFSZ, SIG_IGN);
-  rlimit before{};
-  getrlimit(RLIMIT_FSIZE, &before);
-  const rlimit small{4096, before.rlim_max};
-  setrlimit(RLIMIT_FSIZE, &small);
   const std::string line = errorOf([&] {
+    const FileSizeLimit full(4096);
     AtomicFile file(path);
     file.write(std::string(10000, 'x'));
     file.commit();
   });
-  setrlimit(RLIMIT_FSIZE, &before);
   EXPECT_THAT(line, AllOf(HasSubstr(path.string()), HasSubstr("write failed")));
   EXPECT_EQ(readFile(path), "old");
   EXPECT_EQ(filesIn(folder.path()), (std::set<std::string>{"out.txt"}));

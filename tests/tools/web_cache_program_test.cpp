@@ -1,13 +1,12 @@
 // The cache of servers' data when its folder has no room, or there is no folder for it.
 #include <gmock/gmock.h>
 #include <sluice/volume.h>
-#include <sys/resource.h>
 
 #include <algorithm>
-#include <csignal>
 #include <string>
 
 #include "tests/io/web/web_server.h"
+#include "tests/support/file_size_limit.h"
 #include "tests/tools/program.h"
 
 namespace sluice {
@@ -68,14 +67,10 @@ TEST_F(WebCacheProgram, aFullDiskIsAWarningOfTheVolume) {
   VolumeOptions options;
   options.web.cache_folder = (program_.folder / "kept").string();
   options.web.cache_bytes = 1 << 30;
-  // A limit on the size of files stands for a disk without room: write says so (EFBIG).
-  std::signal(SIGXFSZ, SIG_IGN);
-  rlimit before{};
-  getrlimit(RLIMIT_FSIZE, &before);
-  const rlimit small{100, before.rlim_max};
-  setrlimit(RLIMIT_FSIZE, &small);
-  const VolumeInfo info = Volume(server.address() + "/v.zarr", options).info();
-  setrlimit(RLIMIT_FSIZE, &before);
+  const VolumeInfo info = [&] {
+    const FileSizeLimit full(100);
+    return Volume(server.address() + "/v.zarr", options).info();
+  }();
   EXPECT_THAT(info.warnings, ElementsAre(AllOf(HasSubstr(options.web.cache_folder + ": "),
                                                HasSubstr("--cache-dir"))));
 }

@@ -2,7 +2,6 @@
 
 #include <gmock/gmock.h>
 #include <signal.h>
-#include <sys/resource.h>
 #include <zlib.h>
 
 #include <algorithm>
@@ -13,6 +12,7 @@
 
 #include "src/base/threads/stop_token.h"
 #include "tests/io/headers/volume_files.h"
+#include "tests/support/file_size_limit.h"
 
 namespace sluice {
 namespace {
@@ -227,15 +227,11 @@ TEST(DecodedFileTest, aFullDiskSaysWhatToSet) {
   const std::string voxels(3'000'000, 'a');
   const auto decoded =
       decodedFileOf(folder.write("f", gzipped(voxels, folder)), 0, 0, voxels.size());
-  // A limit on file sizes stands in for a full disk: the write fails half way.
-  rlimit old = {};
-  getrlimit(RLIMIT_FSIZE, &old);
-  const rlimit small{2'000'000, old.rlim_max};
-  const auto handler = signal(SIGXFSZ, SIG_IGN);
-  setrlimit(RLIMIT_FSIZE, &small);
-  const std::string line = errorOf([&] { readText(*decoded, 0, 1); });
-  setrlimit(RLIMIT_FSIZE, &old);
-  signal(SIGXFSZ, handler);
+  // The write fails half way.
+  const std::string line = errorOf([&] {
+    const FileSizeLimit full(2'000'000);
+    readText(*decoded, 0, 1);
+  });
   EXPECT_THAT(line, HasSubstr("set TMPDIR to a folder with room"));
 }
 
