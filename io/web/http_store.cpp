@@ -133,11 +133,11 @@ void HttpStore::learnStamp(const std::string& key, const std::string& stamp) {
 
 void HttpStore::keepInCache(const std::string& cache_name, const HttpFetch& fetched) {
   if (!cache_ || fetched.stamp().empty()) return;
-  const std::string fault =
+  const std::optional<std::string> fault =
       cache_->keep(cache_name, fetched.stamp(), fetched.wholeBytes(), fetched.bytes());
-  if (!fault.empty() && warn_ && !has_warned_.test_and_set())
+  if (fault && warn_ && !has_warned_.test_and_set())
     warn_(fmt::format(
-        "the cache does not keep all that is read: {} (--cache-dir names another folder)", fault));
+        "the cache does not keep all that is read: {} (--cache-dir names another folder)", *fault));
 }
 
 bool HttpStore::fetch(const std::string& key, const PieceBytes& wanted, const Room& room,

@@ -71,7 +71,7 @@ class Usage {
     if (error != std::errc() || end != text.data() + got - 1) return std::nullopt;
     return bytes;
   }
-  // Of one length, so that no old digit stays. Throws Error, "<what>: <reason>".
+  // The text always has one length, so that no old digit stays. Throws Error, "<what>: <reason>".
   void write(uint64_t bytes, const std::string& what) const {
     const std::string text = fmt::format("{:020}\n", bytes);
     writeAllAt(file_.get(), std::as_bytes(std::span(text)), 0, what);
@@ -223,8 +223,8 @@ Descriptor PieceCache::reserve(const fs::path& replaced, const fs::path& tempora
   return file;
 }
 
-std::string PieceCache::keep(const std::string& name, const std::string& stamp, uint64_t whole,
-                             std::span<const std::byte> bytes) {
+std::optional<std::string> PieceCache::keep(const std::string& name, const std::string& stamp,
+                                            uint64_t whole, std::span<const std::byte> bytes) {
   const fs::path path = fileOf(name);
   const Head head{.whole = whole,
                   .bytes = bytes.size(),
@@ -232,13 +232,14 @@ std::string PieceCache::keep(const std::string& name, const std::string& stamp, 
                   .name_bytes = static_cast<uint32_t>(name.size()),
                   .stamp_bytes = static_cast<uint32_t>(stamp.size())};
   const uint64_t size = sizeof head + name.size() + stamp.size() + bytes.size();
-  if (onDisk(size) > budget_ || std::max(name.size(), stamp.size()) > kMostText) return "";
+  if (onDisk(size) > budget_ || std::max(name.size(), stamp.size()) > kMostText)
+    return std::nullopt;
   const fs::path temporary =
       folder_ / "pieces" / fmt::format("{}{}-{}", kTemporary, getpid(), path.filename().string());
   const std::string what = folder_.string();
   try {
     const Descriptor file = reserve(path, temporary, size);
-    if (!file) return "";
+    if (!file) return std::nullopt;
     Temporary unless_whole(temporary);
     writeAll(file.get(), std::as_bytes(std::span(&head, 1)), what);
     writeAll(file.get(), std::as_bytes(std::span(name)), what);
@@ -250,7 +251,7 @@ std::string PieceCache::keep(const std::string& name, const std::string& stamp, 
   } catch (const Error& error) {
     return error.what();
   }
-  return "";
+  return std::nullopt;
 }
 
 }  // namespace sluice

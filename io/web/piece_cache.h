@@ -49,10 +49,10 @@ class PieceCache {
   // The piece that was kept under a name; damaged ones are removed.
   std::optional<CachedPiece> find(const std::string& name);
   // Keeps a piece in the place of another one of its name. Without effect if the limit has no room
-  // for it, or if another thread or process is keeping it. Returns an empty string then, too, and
-  // the folder and the reason if it cannot be written: the disk is full, the folder is closed.
-  std::string keep(const std::string& name, const std::string& stamp, uint64_t whole,
-                   std::span<const std::byte> bytes);
+  // for it, or if another thread or process is keeping it. Returns the folder and the reason if it
+  // cannot be written: the disk is full, the folder is closed.
+  std::optional<std::string> keep(const std::string& name, const std::string& stamp, uint64_t whole,
+                                  std::span<const std::byte> bytes);
   void remove(const std::string& name);
 
  private:

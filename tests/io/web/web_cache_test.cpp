@@ -217,12 +217,12 @@ TEST(PieceCache, takesOverFromADeadProcessOfItsNumber) {
   const TempFolder folder;
   PieceCache cache(folder / "web", kPlenty);
   const std::vector<std::byte> bytes(5000);
-  ASSERT_EQ(cache.keep("one", "\"s\"", 1, bytes), "");
+  ASSERT_EQ(cache.keep("one", "\"s\"", 1, bytes), std::nullopt);
   const fs::path piece = piecesIn(folder / "web").front();
   const fs::path left =
       piece.parent_path() / fmt::format("writing-{}-{}", getpid(), piece.filename().string());
   fs::rename(piece, left);
-  EXPECT_EQ(cache.keep("one", "\"s\"", 1, bytes), "");
+  EXPECT_EQ(cache.keep("one", "\"s\"", 1, bytes), std::nullopt);
   EXPECT_TRUE(cache.find("one"));
   EXPECT_FALSE(fs::exists(left));
 }
@@ -235,7 +235,7 @@ TEST(PieceCache, saysWhyAPieceIsNotKept) {
             (folder / "web").string() + ": No such file or directory");
   // No room under the limit is no fault.
   PieceCache small(folder / "small", 4096);
-  EXPECT_EQ(small.keep("one", "\"s\"", 1, std::vector<std::byte>(5000)), "");
+  EXPECT_EQ(small.keep("one", "\"s\"", 1, std::vector<std::byte>(5000)), std::nullopt);
   EXPECT_TRUE(piecesIn(folder / "small").empty());
 }
 
