@@ -23,7 +23,7 @@ struct PieceInfo {
   bool comes_in_parts = true;  // false: a part was asked for, and the whole piece comes
 };
 
-// What was told of a piece before.
+// A piece as it was when it was last asked for.
 struct KnownPiece {
   std::string stamp;  // empty: not known
   uint64_t bytes = 0;

@@ -34,6 +34,7 @@ struct WebCertificates {
   std::string file, folder;  // of PEM; as `openssl rehash` arranges them
 };
 
+// The refusal of a cache without a folder.
 inline constexpr const char* kNoCacheFolder =
     "--cache: expected a folder for it, found none, because neither XDG_CACHE_HOME nor HOME names "
     "one; give --cache-dir";

@@ -10,7 +10,7 @@ void addLevelOptions(CLI::App& app, const AskedView& asked, FrameOptions& frame,
                      ResourceArguments& resources) {
   const auto take = [&app, &frame](const ViewState& state) {
     frame.cut = askedCut(state);
-    // Who gives the default asks for a cut, too.
+    // A picture error that is given asks for a cut, even if it is the default one.
     if (frame.cut && app.count("--pixel-error") > 0) frame.cut->is_default = false;
   };
   frame.cut = askedCut(*asked);

@@ -18,6 +18,7 @@
 #include "tools/command_line/outputs.h"
 #include "tools/command_line/progress_line.h"
 #include "tools/commands/commands.h"
+#include "tools/options/idle_options.h"
 #include "tools/options/view_arguments.h"
 #include "tools/scene/empty_pictures.h"
 
@@ -108,8 +109,11 @@ int writeFilm(const RenderArguments& arguments, const CLI::App& app, const Saved
   const int64_t count = frameCount(film.path);
   if (is_one_file && arguments.resume)
     fail("{}: a film is written in one go; --continue is for pictures", arguments.output);
-  if (!is_one_file && app.count("--rate") > 0 && !arguments.resources.quiet)
-    printWarning("--rate changes nothing without a film; -o NAME.mp4 makes one");
+  if (app.count("--rate") > 0 && !arguments.resources.quiet) {
+    PictureFacts facts{arguments.look, arguments.frame, arguments.culling, arguments.resources};
+    facts.is_film = is_one_file;
+    for (const std::string& line : idleOptions({"--rate"}, facts)) printWarning(line);
+  }
   const std::vector<int64_t> frames = missingFrames(arguments, count);
   checkOutputs(arguments, film, frames, {});
   const bool is_quiet = arguments.resources.quiet;
