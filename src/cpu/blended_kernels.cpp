@@ -2,6 +2,7 @@
 // through the boxes of a block together, each with the texels and the look of its channel.
 #include <algorithm>
 #include <array>
+#include <bit>
 
 // Highway requires this order.
 // clang-format off
@@ -49,6 +50,31 @@ struct Mixture {
   V clear;  // the product of 1 - opacity
 };
 
+// The mixtures of some slices, a bit a slice: those that show something, and those in which more
+// than one channel does. The others' are not set.
+struct Mixtures {
+  std::array<Mixture, kSlicesAtOnce> of;
+  uint32_t shown = 0, mixed = 0;
+};
+
+// Adds the colour of a channel at slice j to the rays on which it shows.
+HWY_INLINE void addColor(const Color& color, const M& shows, int j, Mixtures& mixtures) {
+  const uint32_t bit = uint32_t{1} << j;
+  Mixture& to = mixtures.of[static_cast<size_t>(j)];
+  const Color seen{hn::IfThenElseZero(shows, color.r), hn::IfThenElseZero(shows, color.g),
+                   hn::IfThenElseZero(shows, color.b), hn::IfThenElseZero(shows, color.a)};
+  const V clear = hn::Sub(all(1.0F), seen.a);
+  if ((mixtures.shown & bit) == 0) {
+    to = {seen, clear};
+    mixtures.shown |= bit;
+    return;
+  }
+  to.sum = {hn::Add(to.sum.r, seen.r), hn::Add(to.sum.g, seen.g), hn::Add(to.sum.b, seen.b),
+            hn::Add(to.sum.a, seen.a)};
+  to.clear = hn::Mul(to.clear, clear);
+  mixtures.mixed |= bit;
+}
+
 // The way of a packet through a channel's box. Slices count as FrameSetup has them.
 struct ChannelWay {
   const KernelFrame* frame;
@@ -66,19 +92,11 @@ struct ChannelWay {
 // Adds the channel's samples at slices k + first, ..., k + last - 1 to the mixtures of slices from
 // k on.
 using AddSamples = void (*)(const ChannelWay& way, const V& k, int first, int last, const M& going,
-                            Mixture* mixtures, VI& taken);
-
-// A sample that waits for its colour.
-struct Sample {
-  M shows;
-  Numbers numbers;
-  V3 at;
-  Place place;
-};
+                            Mixtures& mixtures, VI& taken);
 
 template <DeviceType kType, Shading kShading>
 HWY_NOINLINE void addSamples(const ChannelWay& way, const V& k, int first, int last, const M& going,
-                             Mixture* mixtures, VI& taken) {
+                             Mixtures& mixtures, VI& taken) {
   const KernelFrame& frame = *way.frame;
   const KernelBox& box = *way.box;
   const V one = all(1.0F);
@@ -89,36 +107,38 @@ HWY_NOINLINE void addSamples(const ChannelWay& way, const V& k, int first, int l
   const Cells cells = way.cells;
   // All samples are read before the first gets its colour. Whether a sample shows is a branch that
   // the processor often guesses wrong, and it would throw away what it had read ahead.
+  struct Sample {  // that waits for its colour
+    M shows;
+    V value, square;
+  };
   std::array<Sample, kSlicesAtOnce> samples;
+  const bool clamps = needsClamps<kType, kShading>(frame, box);
+  const auto placeOf = [&](V slice) {
+    const V part = hn::Sub(slice, at_start);
+    const V3 at{hn::MulAdd(part, pace.x, start.x), hn::MulAdd(part, pace.y, start.y),
+                hn::MulAdd(part, pace.z, start.z)};
+    return clamps ? clamped(cells, at) : at;
+  };
   VI counted = hn::Zero(I());
   V slice = hn::Add(k, all(static_cast<float>(first)));
   for (int j = first; j < last; ++j, slice = hn::Add(slice, one)) {
     M shows = hn::And(going, hn::And(hn::Ge(slice, from), hn::Lt(slice, end)));
     counted = hn::Sub(counted, hn::VecFromMask(I(), hn::RebindMask(I(), shows)));
-    const V part = hn::Sub(slice, at_start);
-    // Lanes outside the box read its nearest texels.
-    const V3 at =
-        clamped(cells, {hn::MulAdd(part, pace.x, start.x), hn::MulAdd(part, pace.y, start.y),
-                        hn::MulAdd(part, pace.z, start.z)});
-    const Place place = placeAt(cells, at);
-    const Numbers numbers = numbersAt<kType, kShading>(frame, box, place);
+    const Numbers numbers = numbersAt<kType, kShading>(frame, box, placeAt(cells, placeOf(slice)));
     if (kType == DeviceType::kF32) shows = hn::AndNot(isNoNumber(numbers.value), shows);
     if (selects)
       shows = hn::And(shows, hn::And(hn::Ge(numbers.value, least), hn::Le(numbers.value, most)));
-    samples[static_cast<size_t>(j)] = {shows, numbers, at, place};
+    samples[static_cast<size_t>(j)] = {shows, numbers.value, numbers.square};
   }
   if (frame.counts_taken) taken = hn::Add(taken, counted);
-  for (int j = first; j < last; ++j) {
-    const auto& [shows, numbers, at, place] = samples[static_cast<size_t>(j)];
+  slice = hn::Add(k, all(static_cast<float>(first)));
+  for (int j = first; j < last; ++j, slice = hn::Add(slice, one)) {
+    const auto& [shows, value, square] = samples[static_cast<size_t>(j)];
     if (hn::AllFalse(F(), shows)) continue;
-    const Color color = colorOf<kType, kShading>(frame, box, at, place, numbers.value,
-                                                 numbers.square, way.ray_length);
-    Mixture& to = mixtures[j];
-    to.sum = {hn::Add(to.sum.r, hn::IfThenElseZero(shows, color.r)),
-              hn::Add(to.sum.g, hn::IfThenElseZero(shows, color.g)),
-              hn::Add(to.sum.b, hn::IfThenElseZero(shows, color.b)),
-              hn::Add(to.sum.a, hn::IfThenElseZero(shows, color.a))};
-    to.clear = hn::Mul(to.clear, hn::IfThenElse(shows, hn::Sub(one, color.a), one));
+    const V3 at = placeOf(slice);
+    addColor(
+        colorOf<kType, kShading>(frame, box, at, placeAt(cells, at), value, square, way.ray_length),
+        shows, j, mixtures);
   }
 }
 
@@ -221,17 +241,15 @@ HWY_INLINE void drawBlock(const KernelFrame& frame, BlockWay& block, const M& go
   M going = going_at_first;
   V in_box = hn::Zero(F());
   V k = block.from;
-  std::array<Mixture, kSlicesAtOnce> mixtures;
-  const V none = hn::Zero(F()), one = all(1.0F);
+  Mixtures mixtures;
+  const V one = all(1.0F);
   for (;;) {
     k = nextSlices(block, k, going);
     const V left = hn::IfThenElseZero(going, hn::Sub(block.end, k));
     const float most = hn::GetLane(hn::MaxOfLanes(F(), left));
     if (!(most > 0)) return;
     const int slices = static_cast<int>(std::min<float>(most, kSlicesAtOnce));
-    for (int j = 0; j < slices; ++j)
-      mixtures[static_cast<size_t>(j)] = {{none, none, none, none}, one};
-    int adding = 0;
+    mixtures.shown = mixtures.mixed = 0;
     for (int c = 0; c < block.count; ++c) {
       const ChannelWay& way = block.ways[static_cast<size_t>(c)];
       // The slices that some lane has in the box, from the first on that may show something.
@@ -244,22 +262,22 @@ HWY_INLINE void drawBlock(const KernelFrame& frame, BlockWay& block, const M& go
           std::max(0.0F, std::min(kMostAtOnce, hn::GetLane(hn::MinOfLanes(F(), from)))));
       const int last = static_cast<int>(hn::GetLane(hn::MaxOfLanes(F(), to)));
       if (first >= last) continue;
-      block.adds[static_cast<size_t>(c)](way, k, first, last, going, mixtures.data(), pixels.taken);
-      ++adding;
+      block.adds[static_cast<size_t>(c)](way, k, first, last, going, mixtures, pixels.taken);
     }
-    for (int j = 0; j < slices; ++j, k = hn::Add(k, one)) {
-      const Mixture& mixture = mixtures[static_cast<size_t>(j)];
-      const M shows = hn::And(going, hn::Gt(mixture.sum.a, none));
-      if (hn::AllFalse(F(), shows)) continue;
-      const Color color = adding > 1 ? colorOf(mixture) : mixture.sum;
-      layBehind(frame, color, shows, hn::Add(k, block.middle), pixels);
+    for (uint32_t rest = mixtures.shown; rest != 0; rest &= rest - 1) {
+      const int j = std::countr_zero(rest);
+      const Mixture& mixture = mixtures.of[static_cast<size_t>(j)];
+      const Color color = (mixtures.mixed >> j & 1) != 0 ? colorOf(mixture) : mixture.sum;
+      const V slice = hn::Add(k, all(static_cast<float>(j)));
+      layBehind(frame, color, going, hn::Add(slice, block.middle), pixels);
       if (frame.box_opacity <= 1) {
-        in_box = hn::MulAdd(hn::Sub(one, in_box), hn::IfThenElseZero(shows, color.a), in_box);
+        in_box = hn::MulAdd(hn::Sub(one, in_box), hn::IfThenElseZero(going, color.a), in_box);
         going = hn::And(going, hn::Lt(in_box, all(frame.box_opacity)));
       }
       going = hn::And(going, hn::Lt(pixels.sum.a, all(frame.ray_opacity)));
       if (hn::AllFalse(F(), going)) return;
     }
+    k = hn::Add(k, all(static_cast<float>(slices)));
   }
 }
 

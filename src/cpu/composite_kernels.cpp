@@ -223,10 +223,7 @@ HWY_INLINE void drawPacket(const KernelFrame& frame, const KernelBox& box,
   const M meets = hn::And(going, hn::Gt(slices.count, hn::Zero(F())));
   if (hn::AllFalse(F(), meets)) return;
   const V ray_length = kShading == Shading::kTable ? all(1.0F) : rayLengthOf(frame, packet);
-  // A value that stands for NaN is so large that even a rounding error's share of it would show.
-  const bool clamps = kType == DeviceType::kF32 || kShading == Shading::kGradients ||
-                      hasTwoNumbers(kShading) || hasSurfaces(kShading) || frame.labels ||
-                      box.clamps;
+  const bool clamps = needsClamps<kType, kShading>(frame, box);
   const V3 first = texelsAt(box, voxelsOf(positions, packet)), pace = texelsAlong(box, step);
   Passage<kType, kShading> passage{frame,
                                    box,

@@ -27,6 +27,14 @@ constexpr bool isIntegrated(Shading shading) {
   return shading == Shading::kSegments || shading == Shading::kSegmentGradients;
 }
 
+// Whether samples are read at places that are clamped to the box: a value that stands for NaN is so
+// large that even a rounding error's share of it would show.
+template <DeviceType kType, Shading kShading>
+HWY_INLINE bool needsClamps(const KernelFrame& frame, const KernelBox& box) {
+  return kType == DeviceType::kF32 || kShading == Shading::kGradients || hasTwoNumbers(kShading) ||
+         hasSurfaces(kShading) || frame.labels || box.clamps;
+}
+
 // The value at a place, and the square of its spread, or a label and its share; one number twice if
 // the chunk has one.
 struct Numbers {
