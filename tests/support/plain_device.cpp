@@ -7,130 +7,13 @@
 #include <optional>
 
 #include "src/base/error.h"
-#include "src/device/blue_noise.h"
 #include "src/device/depth_code.h"
 #include "tests/support/plain_lighting.h"
+#include "tests/support/plain_rays.h"
 #include "tests/support/plain_sampling.h"
 #include "tests/support/plain_surfaces.h"
 
 namespace sluice {
-namespace {
-
-// The product of a row of clip space and a position.
-double along(const std::array<double, 4>& row, Vec3d p) {
-  return row[0] * p.x + row[1] * p.y + row[2] * p.z + row[3];
-}
-
-double safe(double step) {
-  return std::abs(step) < 1e-12 ? 1e-12 : step;
-}
-
-int clampedInt(double v) {
-  return static_cast<int>(std::clamp(v, -1e9, 1e9));
-}
-
-}  // namespace
-
-struct PlainDevice::Ray {
-  Vec3d origin, step;
-  double length = 1;  // length between two slices, in units of FrameSetup::slice_length
-  double jitter = 0;  // slices by which the ray begins farther away
-
-  Vec3d at(double slice) const { return origin + step * (slice + 0.5); }
-  // Slices [from, to) inside the box and the clip planes.
-  std::array<int64_t, 2> slicesIn(const Box3& cells, const FrameSetup& setup) const {
-    double from = static_cast<double>(setup.first_slice), to = 1e15;
-    for (int a = 0; a < 3; ++a) {
-      const double s = safe(step[a]);
-      // The first slice at or past a face seen from before it: the boxes on both sides compute the
-      // same.
-      const auto sliceAt = [&](int64_t face) {
-        const double t = (static_cast<double>(face) - origin[a]) / s - 0.5;
-        return s > 0 ? std::ceil(t) : std::floor(t) + 1;
-      };
-      const double lo = sliceAt(cells.lo[a]), hi = sliceAt(cells.hi[a]);
-      from = std::max(from, std::min(lo, hi));
-      to = std::min(to, std::max(lo, hi));
-    }
-    for (const ClipPlane& plane : setup.clip_planes) {
-      const double s = dot(plane.normal, step);
-      const double t = (plane.offset - dot(plane.normal, origin)) / safe(s) - 0.5;
-      if (s < 0)
-        from = std::max(from, std::ceil(t));
-      else
-        to = std::min(to, std::floor(t) + 1);
-    }
-    if (!(from < to)) return {0, 0};
-    return {static_cast<int64_t>(from), static_cast<int64_t>(to)};
-  }
-  // The distances t at which the ray, origin + t * step, enters and leaves what is shown, see
-  // FrameSetup; if it misses, the first is the greater.
-  std::array<double, 2> wayThroughShown(const FrameSetup& setup) const {
-    double enter = setup.first_slice > 0 ? static_cast<double>(setup.first_slice) + 0.5 : -1e15;
-    double leave = 1e15;
-    for (int a = 0; a < 3; ++a) {
-      const double lo = static_cast<double>(setup.shown.lo[a]) - kPlaneEdge;
-      const double hi = static_cast<double>(setup.shown.hi[a]) + kPlaneEdge;
-      const double at_lo = (lo - origin[a]) / safe(step[a]);
-      const double at_hi = (hi - origin[a]) / safe(step[a]);
-      enter = std::max(enter, std::min(at_lo, at_hi));
-      leave = std::min(leave, std::max(at_lo, at_hi));
-    }
-    for (const ClipPlane& plane : setup.clip_planes) {
-      const double s = dot(plane.normal, step);
-      const double t = (plane.offset - dot(plane.normal, origin)) / safe(s);
-      if (s < 0)
-        enter = std::max(enter, t);
-      else
-        leave = std::min(leave, t);
-    }
-    return {enter, leave};
-  }
-};
-
-// Visits the samples of the ray inside the box, see FrameSetup: visit(position, slice) until false.
-template <class Visit>
-void PlainDevice::eachSample(const Ray& ray, const BoxDraw& box, Visit&& visit) const {
-  const Box3& cells = box.cells;
-  if (!traitsOf(setup_.mode).on_planes) {
-    const auto [from, to] = ray.slicesIn(cells, setup_);
-    for (int64_t k = from; k < to; ++k)
-      if (const auto slice = static_cast<double>(k); !visit(ray.at(slice), slice)) return;
-    return;
-  }
-  int main = 0;
-  for (int a = 1; a < 3; ++a)
-    if (std::abs(ray.step[a]) > (1 + kAxisTie) * std::abs(ray.step[main])) main = a;
-  const auto [enter, leave] = ray.wayThroughShown(setup_);
-  if (enter > leave) return;
-  // Places on the main axis: whole numbers are those that are sampled between the two ends.
-  size_t texel_axis = 0;
-  while (box.texels.axes[texel_axis] != main) ++texel_axis;
-  const double scale = box.texels.scale[static_cast<int>(texel_axis)];
-  const double offset = box.texels.offset[static_cast<int>(texel_axis)];
-  const double parts = setup_.planes_a_voxel, margin = endMargin(setup_.planes_a_voxel);
-  const auto placeOf = [&](double t) {
-    return ((ray.origin[main] + ray.step[main] * t) * scale + offset) * parts;
-  };
-  const double lowest = std::min(placeOf(enter), placeOf(leave));
-  const double highest = std::max(placeOf(enter), placeOf(leave));
-  const auto from = static_cast<int64_t>(std::floor(lowest + margin));
-  const auto to = static_cast<int64_t>(std::ceil(highest - margin));
-  for (int64_t i = from; i <= to; ++i) {
-    const double place = std::clamp(static_cast<double>(i), lowest, highest) / parts;
-    const double t = ((place - offset) / scale - ray.origin[main]) / ray.step[main];
-    Vec3d p = ray.origin + ray.step * t;
-    bool counts = true;
-    for (int a = 0; a < 3; ++a) {
-      constexpr double kEdge = kPlaneEdge + 1e-9;  // the ends lie on it
-      const auto lo = static_cast<double>(cells.lo[a]), hi = static_cast<double>(cells.hi[a]);
-      counts = counts && p[a] >= lo - kEdge && p[a] <= hi + kEdge;
-      p[a] = std::clamp(p[a], lo, hi);
-    }
-    if (counts && !visit(p, t - 0.5)) return;
-  }
-}
-
 void PlainDevice::makeResident(uint64_t id, ChunkTexelsPtr texels) {
   if (!options_.borrows) {
     uploaded_bytes_ += texels->byte_count;
@@ -170,45 +53,6 @@ void PlainDevice::beginFrame(const FrameSetup& setup, const StopToken& stop) {
                  {});
 }
 
-PlainDevice::Ray PlainDevice::rayOf(int x, int y) const {
-  const RayGrid& rays = setup_.rays;
-  const double px = x + 0.5, py = y + 0.5;
-  Ray ray{rays.origin0 + rays.origin_dx * px + rays.origin_dy * py,
-          rays.step0 + rays.step_dx * px + rays.step_dy * py};
-  ray.jitter = setup_.jitter * double{blueNoise()[static_cast<size_t>(
-                                   y % kBlueNoiseSide * kBlueNoiseSide + x % kBlueNoiseSide)]};
-  ray.origin = ray.origin + ray.step * ray.jitter;
-  if (setup_.projection == Projection::kPerspective)
-    ray.length = length(Vec3d{(2 * px / setup_.size.width - 1) * setup_.tan_half_x,
-                              (2 * py / setup_.size.height - 1) * setup_.tan_half_y, 1});
-  return ray;
-}
-
-// visit(x, y) for each pixel that may see the box.
-template <class Visit>
-void PlainDevice::eachPixelOf(const Box3& cells, Visit&& visit) const {
-  const auto [width, height] = setup_.size;
-  double x0 = 1e9, y0 = 1e9, x1 = -1e9, y1 = -1e9;
-  for (int corner = 0; corner < 8; ++corner) {
-    Vec3d p;
-    for (int a = 0; a < 3; ++a)
-      p[a] = static_cast<double>((corner >> a & 1) != 0 ? cells.hi[a] : cells.lo[a]);
-    const double w = along(setup_.clip_from_index[2], p);
-    if (w <= 0) {  // next to the eye: may project anywhere
-      x0 = y0 = -1e9;
-      x1 = y1 = 1e9;
-      break;
-    }
-    const double x = (along(setup_.clip_from_index[0], p) / w + 1) / 2 * width;
-    const double y = (along(setup_.clip_from_index[1], p) / w + 1) / 2 * height;
-    x0 = std::min(x0, x), x1 = std::max(x1, x);
-    y0 = std::min(y0, y), y1 = std::max(y1, y);
-  }
-  for (int y = std::max(0, clampedInt(y0) - 2); y < std::min(height, clampedInt(y1) + 3); ++y)
-    for (int x = std::max(0, clampedInt(x0) - 2); x < std::min(width, clampedInt(x1) + 3); ++x)
-      visit(x, y);
-}
-
 void PlainDevice::draw(std::span<const BoxDraw> boxes) {
   if (on_draw) on_draw(boxes);
   for (size_t i = 0; i < boxes.size(); ++i) {
@@ -228,9 +72,9 @@ void PlainDevice::drawNow() {
 
 void PlainDevice::drawBox(const BoxDraw& box) {
   const ChunkTexels& chunk = *resident_.at(box.chunk);
-  eachPixelOf(box.cells, [&](int x, int y) {
+  eachPixelOf(box.cells, setup_, [&](int x, int y) {
     Pixel& pixel = at(x, y);
-    if (!pixel.is_stopped) take(rayOf(x, y), box, chunk, pixel);
+    if (!pixel.is_stopped) take(plainRayOf(setup_, x, y), box, chunk, pixel);
   });
 }
 
@@ -250,7 +94,7 @@ void PlainDevice::blend(const Sample& sample, Pixel& pixel) const {
 
 // The surfaces that the ray meets from half a slice before slice k to half a slice behind it, and
 // between them the parts of the sample there.
-void PlainDevice::blendSurfaces(const Ray& ray, const BoxDraw& box, const ChunkTexels& chunk,
+void PlainDevice::blendSurfaces(const PlainRay& ray, const BoxDraw& box, const ChunkTexels& chunk,
                                 double k, const Sample& sample, Pixel& pixel) const {
   const auto partOf = [](Sample of, double part) {
     of.opacity = 1 - std::pow(1 - of.opacity, part);
@@ -272,9 +116,35 @@ void PlainDevice::blendSurfaces(const Ray& ray, const BoxDraw& box, const ChunkT
   blend(partOf(sample, 1 - from), pixel);
 }
 
-void PlainDevice::take(const Ray& ray, const BoxDraw& box, const ChunkTexels& chunk, Pixel& pixel) {
+// Modes other than composite: takes a sample's value at slice k.
+void PlainDevice::takeValue(const PlainRay& ray, double value, double k, Pixel& pixel) const {
+  const bool replaces = pixel.count == 0 || (setup_.mode == Mode::kMip && value > pixel.value) ||
+                        (setup_.mode == Mode::kMinip && value < pixel.value);
+  const auto [lo, hi] = setup_.window;
+  const double level = lo == hi ? 0 : std::clamp((value - lo) / (hi - lo), 0.0, 1.0);
+  if (setup_.mode == Mode::kDepthMip) {
+    // The greater of two places in whole steps wins, and of two in one step the nearer.
+    const double step = std::floor(level * kPlaceSteps + kPlaceShift);
+    const double depth = setup_.first_depth + (k + 0.5) * setup_.depth_step;
+    if (pixel.count == 0 || step > pixel.value || (step == pixel.value && depth < pixel.depth)) {
+      pixel.value = step;
+      pixel.depth = depth;
+    }
+  } else if (setup_.mode == Mode::kAttenuatedMip) {
+    pixel.value = std::max(pixel.value, level * (1 - pixel.dimmed));
+    pixel.dimmed = 1 - (1 - pixel.dimmed) *
+                           std::exp(-setup_.attenuation * level * setup_.slice_length * ray.length);
+  } else if (setup_.mode == Mode::kAverage)
+    pixel.value += value;
+  else if (replaces)
+    pixel.value = value;
+  ++pixel.count;
+}
+
+void PlainDevice::take(const PlainRay& ray, const BoxDraw& box, const ChunkTexels& chunk,
+                       Pixel& pixel) {
   if (box.beside) {
-    const auto [from, to] = ray.slicesIn(box.cells, setup_);
+    const auto [from, to] = slicesIn(ray, box.cells, setup_);
     for (int64_t k = from; k < to; ++k)
       blendSurfaces(ray, box, chunk, static_cast<double>(k), {}, pixel);
     return;
@@ -282,7 +152,7 @@ void PlainDevice::take(const Ray& ray, const BoxDraw& box, const ChunkTexels& ch
   const bool composite = setup_.mode == Mode::kComposite;
   const LookUp& look_up = *setup_.look_up;
   double in_box = 0;
-  eachSample(ray, box, [&](Vec3d p, double k) {
+  eachSample(ray, box, setup_, [&](Vec3d p, double k) {
     const auto texelAt = [&](Vec3d place, int a) {
       const auto& [axes, scale, offset] = box.texels;
       return place[axes[static_cast<size_t>(a)]] * scale[a] + offset[a];
@@ -327,29 +197,7 @@ void PlainDevice::take(const Ray& ray, const BoxDraw& box, const ChunkTexels& ch
       return true;
     }
     if (!composite) {
-      const bool replaces = pixel.count == 0 ||
-                            (setup_.mode == Mode::kMip && value > pixel.value) ||
-                            (setup_.mode == Mode::kMinip && value < pixel.value);
-      const auto [lo, hi] = setup_.window;
-      const double level = lo == hi ? 0 : std::clamp((value - lo) / (hi - lo), 0.0, 1.0);
-      if (setup_.mode == Mode::kDepthMip) {
-        // The greater of two places in whole steps wins, and of two in one step the nearer.
-        const double step = std::floor(level * kPlaceSteps + kPlaceShift);
-        const double depth = setup_.first_depth + (k + 0.5) * setup_.depth_step;
-        if (pixel.count == 0 || step > pixel.value ||
-            (step == pixel.value && depth < pixel.depth)) {
-          pixel.value = step;
-          pixel.depth = depth;
-        }
-      } else if (setup_.mode == Mode::kAttenuatedMip) {
-        pixel.value = std::max(pixel.value, level * (1 - pixel.dimmed));
-        pixel.dimmed = 1 - (1 - pixel.dimmed) * std::exp(-setup_.attenuation * level *
-                                                         setup_.slice_length * ray.length);
-      } else if (setup_.mode == Mode::kAverage)
-        pixel.value += value;
-      else if (replaces)
-        pixel.value = value;
-      ++pixel.count;
+      takeValue(ray, value, k, pixel);
       return true;
     }
     Vec3d gradient;  // camera space, device values a world unit
@@ -454,8 +302,8 @@ void PlainDevice::stopOpaque() {
 uint64_t PlainDevice::countSamples(std::span<const BoxDraw> boxes) {
   uint64_t samples = 0;
   for (const BoxDraw& box : boxes)
-    eachPixelOf(box.cells, [&](int x, int y) {
-      eachSample(rayOf(x, y), box, [&](Vec3d, double) {
+    eachPixelOf(box.cells, setup_, [&](int x, int y) {
+      eachSample(plainRayOf(setup_, x, y), box, setup_, [&](Vec3d, double) {
         ++samples;
         return true;
       });

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "src/device/device.h"
+#include "tests/support/plain_rays.h"
 #include "tests/support/plain_sampling.h"
 
 namespace sluice {
@@ -59,21 +60,16 @@ class PlainDevice : public Device {
     int64_t count = 0;
     bool is_stopped = false;
   };
-  struct Ray;
   struct Sample;
 
-  Ray rayOf(int x, int y) const;
   // From 0 to 1, see depthCode().
   double placeOfDepth(double depth) const;
-  template <class Visit>
-  void eachPixelOf(const Box3& cells, Visit&& visit) const;
-  template <class Visit>
-  void eachSample(const Ray& ray, const BoxDraw& box, Visit&& visit) const;
   void drawNow();
   void drawBox(const BoxDraw& box);
-  void take(const Ray& ray, const BoxDraw& box, const ChunkTexels& chunk, Pixel& pixel);
+  void take(const PlainRay& ray, const BoxDraw& box, const ChunkTexels& chunk, Pixel& pixel);
+  void takeValue(const PlainRay& ray, double value, double k, Pixel& pixel) const;
   void blend(const Sample& sample, Pixel& pixel) const;
-  void blendSurfaces(const Ray& ray, const BoxDraw& box, const ChunkTexels& chunk, double k,
+  void blendSurfaces(const PlainRay& ray, const BoxDraw& box, const ChunkTexels& chunk, double k,
                      const Sample& sample, Pixel& pixel) const;
   Pixel& at(int x, int y) {
     return pixels_[static_cast<size_t>(y) * static_cast<size_t>(setup_.size.width) +
