@@ -65,15 +65,16 @@ OptionReals colorOf(const std::string& keyword, const py::handle& value) {
 }
 
 // Whether True and False stand for two of the words, as in shade=True.
-bool isSwitch(const OptionEntry& entry) {
+bool isSwitch(const auto& entry) {
   return std::ranges::find(entry.kind.words, "on") != entry.kind.words.end();
 }
 
-std::string wordOf(const OptionEntry& entry, const std::string& keyword, const py::handle& value) {
+std::string wordOf(const auto& entry, const std::string& keyword, const py::handle& value) {
   const auto& words = entry.kind.words;
   const std::string expected = fmt::format("one of '{}'", fmt::join(words, "', '"));
   if (isSwitch(entry) && py::isinstance<py::bool_>(value)) return value.cast<bool>() ? "on" : "off";
   auto word = taken<std::string>(keyword, expected, value);
+  if (const auto meant = entry.kind.meant) word = meant(word).value_or(word);
   if (std::find(words.begin(), words.end(), word) == words.end())
     failValue(keyword, expected, printed(value));
   return word;
@@ -81,7 +82,7 @@ std::string wordOf(const OptionEntry& entry, const std::string& keyword, const p
 
 // A list of as many numbers as the form has.
 template <class List>
-List listOf(const OptionEntry& entry, const std::string& keyword, const py::handle& value) {
+List listOf(const auto& entry, const std::string& keyword, const py::handle& value) {
   const size_t count = numbersOf(entry.kind.form);
   const std::string expected = fmt::format("{} numbers ({})", count, entry.value);
   auto list = taken<List>(keyword, expected, value);
@@ -90,7 +91,7 @@ List listOf(const OptionEntry& entry, const std::string& keyword, const py::hand
 }
 
 // A list of lists; points are also a dict from value to opacity.
-std::vector<OptionReals> listsOf(const OptionEntry& entry, const std::string& keyword,
+std::vector<OptionReals> listsOf(const auto& entry, const std::string& keyword,
                                  const py::handle& value) {
   std::vector<OptionReals> lists;
   const py::object items = py::isinstance<py::dict>(value)
@@ -141,9 +142,10 @@ std::vector<std::string> labelsOf(const std::string& keyword, const py::handle& 
   return texts;
 }
 
-OptionValue valueOf(const OptionEntry& entry, const std::string& keyword, const py::handle& value) {
+OptionValue valueOf(const auto& entry, const std::string& keyword, const py::handle& value) {
   switch (entry.kind.form) {
     case OptionForm::kFlag:
+      if (!entry.kind.words.empty()) return wordOf(entry, keyword, value) == entry.kind.words[1];
       return taken<bool>(keyword, "True or False", value);
     case OptionForm::kBytes:
       if (py::isinstance<py::str>(value))
@@ -156,7 +158,12 @@ OptionValue valueOf(const OptionEntry& entry, const std::string& keyword, const 
       return taken<double>(keyword, entry.kind.noun, value);
     case OptionForm::kWord:
       return wordOf(entry, keyword, value);
+    case OptionForm::kChannel:
+      if (!py::isinstance<py::str>(value))
+        return taken<int64_t>(keyword, "a whole number or a name", value);
+      [[fallthrough]];
     case OptionForm::kText:
+    case OptionForm::kName:
       return taken<std::string>(keyword, "a text", value);
     case OptionForm::kFile:
       return py::module_::import("sluice").attr("_path")(keyword, value).cast<std::string>();
@@ -166,6 +173,7 @@ OptionValue valueOf(const OptionEntry& entry, const std::string& keyword, const 
       return color;
     }
     case OptionForm::kVoxel:
+    case OptionForm::kDims:
     case OptionForm::kBox:
       return listOf<OptionWholes>(entry, keyword, value);
     case OptionForm::kChannels:
@@ -184,16 +192,22 @@ OptionValue valueOf(const OptionEntry& entry, const std::string& keyword, const 
     case OptionForm::kAngles:
     case OptionForm::kPlace:
     case OptionForm::kDirection:
+    case OptionForm::kSpacing:
       return listOf<OptionReals>(entry, keyword, value);
   }
   failType(keyword, "a value", value);
 }
 
 // The type of an option's values for type checkers, in the words of __init__.pyi.
-std::string typeOf(const OptionEntry& entry) {
+std::string typeOf(const auto& entry) {
   switch (entry.kind.form) {
     case OptionForm::kFlag:
-      return "bool";
+      if (entry.kind.words.empty()) return "bool";
+      [[fallthrough]];
+    case OptionForm::kWord:
+      if (entry.kind.meant != nullptr) return "str";
+      return fmt::format("{}Literal['{}']", isSwitch(entry) ? "bool | " : "",
+                         fmt::join(entry.kind.words, "', '"));
     case OptionForm::kWhole:
       return "int";
     case OptionForm::kBytes:
@@ -201,16 +215,17 @@ std::string typeOf(const OptionEntry& entry) {
     case OptionForm::kNumber:
     case OptionForm::kSeconds:
       return "float";
-    case OptionForm::kWord:
-      return fmt::format("{}Literal['{}']", isSwitch(entry) ? "bool | " : "",
-                         fmt::join(entry.kind.words, "', '"));
     case OptionForm::kText:
+    case OptionForm::kName:
       return "str";
+    case OptionForm::kChannel:
+      return "int | str | Sequence[int | str]";
     case OptionForm::kFile:
       return "_Path";
     case OptionForm::kColor:
       return "str | _Triple";
     case OptionForm::kVoxel:
+    case OptionForm::kDims:
     case OptionForm::kBox:
       return "Sequence[int]";
     case OptionForm::kChannels:
@@ -229,6 +244,7 @@ std::string typeOf(const OptionEntry& entry) {
       return "Sequence[float]";
     case OptionForm::kPlace:
     case OptionForm::kDirection:
+    case OptionForm::kSpacing:
       return "_Triple";
   }
   return "Any";
@@ -331,7 +347,7 @@ AskedPicture askedPicture(const py::kwargs& keywords, const VolumeInfo& volume) 
       continue;
     }
     const OptionValue taken_value = valueOf(*entry, keyword, value);
-    if (const auto fault = faultOf(*entry, taken_value))
+    if (const auto fault = faultOf(entry->kind, taken_value))
       failValue(keyword, fault->expected, fault->found);
     entry->set(state, taken_value);
   }

@@ -17,6 +17,9 @@ namespace sluice {
 
 VolumeArguments volumeArguments(const std::vector<std::string>& paths,
                                 const VolumeOptions& options);
+// Sets `open` by the options that are asked for, as far as they say how a file is read. A type that
+// is not known is left out.
+void setOpen(VolumeArguments& arguments);
 // Throws Error, which names the layout's field.
 VolumeLayout volumeLayout(const ArrayLayout& array);
 // Options without a device, for the pass over a volume.

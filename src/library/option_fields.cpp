@@ -13,24 +13,19 @@ struct Field {
   std::string_view option, name;
 };
 
-// Options that are not in the table of options: of a volume, of the machine and of the pipeline.
+// Options that are not in the table of options: of the machine and of the pipeline.
 constexpr std::array kFields = std::to_array<Field>({
     {"--algorithm", "pipeline.algorithm"},
     {"--block", "block"},
     {"--cache", "web.cache_bytes"},
     {"--cache-dir", "web.cache_folder"},
-    {"--channel", "channel"},
     {"--device", "device"},
-    {"--dims", "dims"},
-    {"--endian", "big_endian"},
     {"--gl", "pipeline.gl"},
-    {"--grid", "grid"},
     {"--index-dir", "index_folder"},
     {"--levels", "levels"},
     {"--memory", "memory_bytes"},
     {"--merge", "pipeline.merge"},
     {"--occlusion", "pipeline.occlusion"},
-    {"--over", "over"},
     {"--page", "page"},
     {"--pages", "pipeline.pages"},
     {"--partition", "pipeline.partition"},
@@ -38,19 +33,22 @@ constexpr std::array kFields = std::to_array<Field>({
     {"--seed", "pipeline.seed"},
     {"--simd", "pipeline.simd"},
     {"--size", "width and height"},
-    {"--skip", "skip_bytes"},
-    {"--spacing", "spacing"},
     {"--this-step", "whole_series"},
     {"--threads", "threads"},
-    {"--time-steps", "time_steps"},
-    {"--type", "type"},
 });
 
-std::string fieldOf(std::string_view option) {
-  for (const OptionEntry& entry : optionTable()) {
+// The field of the entry that has the option; empty: none has.
+std::string fieldIn(const auto& table, std::string_view option) {
+  for (const auto& entry : table) {
     const std::vector<std::string_view> names = optionNames(entry);
-    if (!entry.field.empty() && std::ranges::find(names, option) != names.end()) return entry.field;
+    if (std::ranges::find(names, option) != names.end()) return entry.field;
   }
+  return "";
+}
+
+std::string fieldOf(std::string_view option) {
+  for (std::string field : {fieldIn(optionTable(), option), fieldIn(volumeTable(), option)})
+    if (!field.empty()) return field;
   const auto* field = std::ranges::find(kFields, option, &Field::option);
   return std::string(field == kFields.end() ? option : field->name);
 }

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <sluice/options.h>
+#include <sluice/volume.h>
 
 #include <array>
 #include <cstdint>
@@ -27,7 +28,7 @@ struct VolumeArguments {
   std::vector<std::string> inputs;
   OpenOptions open = {};
   int64_t time = 0;
-  std::string over = {};  // a further volume that pictures show at its place in the world
+  VolumeOptions asked = {};  // as the user gives them; `open` follows from them, see setOpen()
 };
 
 // How the pictures of several channels become one.

@@ -47,24 +47,27 @@ LevelsWish levelsWish(VolumeOptions::Levels levels) {
 
 }  // namespace
 
-VolumeArguments volumeArguments(const std::vector<std::string>& paths,
-                                const VolumeOptions& options) {
-  if (paths.empty()) failRequest("a volume of no files: name at least one");
-  VolumeArguments arguments;
-  arguments.inputs = paths;
-  arguments.time = options.time;
-  arguments.over = options.over;
+void setOpen(VolumeArguments& arguments) {
+  const VolumeOptions& options = arguments.asked;
   OpenOptions& open = arguments.open;
   if (options.dims) open.dims = vec(*options.dims);
   open.time_steps = options.time_steps;
-  if (!options.type.empty()) open.type = typeOf(paths.front(), options.type);
+  open.type = parseVoxelType(options.type);
   if (options.big_endian) open.byte_order = std::endian::big;
   open.skip_bytes = options.skip_bytes;
   if (options.spacing) open.spacing = vec(*options.spacing);
   open.grid = options.grid;
   open.channel = {options.channel, options.channel_name};
-  open.decode.folder = options.temporary_folder;
-  open.web = webOptions(options.web);
+}
+
+VolumeArguments volumeArguments(const std::vector<std::string>& paths,
+                                const VolumeOptions& options) {
+  if (paths.empty()) failRequest("a volume of no files: name at least one");
+  if (!options.type.empty()) typeOf(paths.front(), options.type);
+  VolumeArguments arguments{.inputs = paths, .time = options.time, .asked = options};
+  setOpen(arguments);
+  arguments.open.decode.folder = options.temporary_folder;
+  arguments.open.web = webOptions(options.web);
   return arguments;
 }
 

@@ -1,5 +1,6 @@
 // How an entry of the table of options is bound to the member that holds its value. Used by the
-// table's parts alone: camera_entries.cpp, look_entries.cpp and picture_entries.cpp.
+// table's parts alone: camera_entries.cpp, look_entries.cpp, picture_entries.cpp and
+// volume_entries.cpp.
 #pragma once
 
 #include <array>
@@ -16,6 +17,7 @@ namespace sluice {
 std::vector<OptionEntry> cameraEntries();
 std::vector<OptionEntry> lookEntries();
 std::vector<OptionEntry> pictureEntries();
+std::vector<VolumeEntry> volumeEntries();
 
 inline constexpr NumberRange<double> kWorldRange{-1e15, 1e15}, kShareRange{0, 1};
 
@@ -23,20 +25,21 @@ inline OptionKind wordOf(OptionWords words) {
   return {.form = OptionForm::kWord, .words = std::move(words)};
 }
 
-// `held`: the member of a view, constant or not.
-template <class Held>
-OptionEntry holding(OptionEntry entry, Held held) {
-  entry.get = [words = entry.kind.words, held](const ViewState& state) {
+// `held`: the member of a subject, constant or not.
+template <class Subject, class Held>
+EntryOf<Subject> holding(EntryOf<Subject> entry, Held held) {
+  entry.get = [words = entry.kind.words, held](const Subject& state) {
     return readMember(words, held(state));
   };
-  entry.set = [words = entry.kind.words, held](ViewState& state, const OptionValue& value) {
+  entry.set = [words = entry.kind.words, held](Subject& state, const OptionValue& value) {
     writeMember(words, value, held(state));
   };
   return entry;
 }
 
 // The entry with the name of its field: the one that it gives, or else its key.
-inline OptionEntry inPart(OptionPart part, const std::string& of_field, OptionEntry entry) {
+template <class Subject>
+EntryOf<Subject> inPart(OptionPart part, const std::string& of_field, EntryOf<Subject> entry) {
   entry.part = part;
   entry.field = of_field + (entry.field.empty() ? entry.key : entry.field);
   return entry;
@@ -73,6 +76,13 @@ OptionEntry in(T LookOptions::*member, OptionEntry entry) {
   return holding(
       inPart(OptionPart::kLook, "", std::move(entry)), [=](auto& state) -> auto& {
         return state.look.*member;
+      });
+}
+template <class T>
+VolumeEntry in(T VolumeOptions::*member, VolumeEntry entry) {
+  return holding(
+      inPart(OptionPart::kVolume, "", std::move(entry)), [=](auto& options) -> auto& {
+        return options.*member;
       });
 }
 // One end of the line of sight.

@@ -1,8 +1,5 @@
 #include "src/options/option_table.h"
 
-#include <algorithm>
-
-#include "src/base/error.h"
 #include "src/options/option_entries.h"
 
 namespace sluice {
@@ -26,7 +23,9 @@ size_t numbersOf(OptionForm form) {
     case OptionForm::kPlace:
     case OptionForm::kDirection:
     case OptionForm::kColor:
+    case OptionForm::kSpacing:
     case OptionForm::kVoxel:
+    case OptionForm::kDims:
       return 3;
     case OptionForm::kPlanes:
       return 4;
@@ -42,27 +41,9 @@ const std::vector<OptionEntry>& optionTable() {
   return table;
 }
 
-const OptionEntry& optionEntry(std::string_view option) {
-  const auto& table = optionTable();
-  const auto found = std::find_if(table.begin(), table.end(),
-                                  [&](const OptionEntry& entry) { return entry.option == option; });
-  SLUICE_CHECK(found != table.end());
-  return *found;
-}
-
-std::vector<std::string_view> optionNames(const OptionEntry& entry) {
-  std::vector<std::string_view> names;
-  for (const std::string_view name : {entry.option, entry.kind.needs})
-    if (!name.empty()) names.push_back(name);
-  for (const std::string_view flag : entry.kind.flags)
-    if (!flag.empty() && flag != entry.option) names.push_back(flag);
-  return names;
-}
-
-std::optional<OptionValue> savedValue(const OptionEntry& entry, const ViewState& state) {
-  if (entry.part == OptionPart::kPicture) return std::nullopt;
-  if (entry.is_saved != nullptr && !entry.is_saved(state)) return std::nullopt;
-  return entry.get(state);
+const std::vector<VolumeEntry>& volumeTable() {
+  static const std::vector<VolumeEntry> table = volumeEntries();
+  return table;
 }
 
 }  // namespace sluice

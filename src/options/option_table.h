@@ -1,14 +1,15 @@
-// The options of a view, each described once: its names, form and limits, and where a ViewState
-// holds it. The following are derived from this table: the saved view, the printed command and the
-// checks (src/view/state), the command line with its help (tools/options), the keywords of the
-// Python package with their types (python/picture_options.h), and the names of fields in messages
-// of the library (src/library/option_fields.h). Pure functions.
+// The options of a view and of its volume, each described once: its names, form and limits, and
+// where a ViewState or VolumeOptions hold it. The following are derived from these tables: the
+// saved view, the printed command and the checks (src/view/state), the command line with its help
+// (tools/options), the keywords of the Python package with their types (python/picture_options.h),
+// and the names of fields in messages of the library (src/library/option_fields.h). Pure functions.
 //
-// A new option is a member of the public options (include/sluice/options.h), an entry in
-// camera_entries.cpp, look_entries.cpp or picture_entries.cpp, and the place where its value is
-// used.
+// A new option is a member of the public options (include/sluice/options.h, volume.h), an entry in
+// camera_entries.cpp, look_entries.cpp, picture_entries.cpp or volume_entries.cpp, and the place
+// where its value is used.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -17,6 +18,7 @@
 #include <variant>
 #include <vector>
 
+#include "src/base/error.h"
 #include "src/base/values/number_range.h"
 #include "src/options/view_state.h"
 
@@ -30,7 +32,7 @@ using OptionValue = std::variant<bool, int64_t, double, std::string, OptionReals
 
 // The alternative of OptionValue is in parentheses.
 enum class OptionForm {
-  kFlag,       // (bool)
+  kFlag,       // a flag, or one of the two `words` for false and true (bool)
   kWhole,      // a whole number within the limits (int64_t)
   kBytes,      // as kWhole; a command line may give a unit, as in 512M
   kNumber,     // a number within the limits (double)
@@ -38,12 +40,16 @@ enum class OptionForm {
   kWord,       // one of `words` (std::string)
   kText,       // (std::string)
   kFile,       // the name of a file (std::string)
+  kName,       // a name of any bytes within a file (std::string)
+  kChannel,    // a channel's number within the limits, or a kName (int64_t, std::string)
   kRange,      // two different numbers (OptionReals)
   kAngles,     // two numbers within the limits, in degrees (OptionReals)
   kPlace,      // three numbers within the limits: a world position (OptionReals)
   kDirection,  // as kPlace, not all 0 (OptionReals)
   kColor,      // three numbers from 0 to 1 (OptionReals)
+  kSpacing,    // as kPlace, of each axis; a command line may give one number (OptionReals)
   kVoxel,      // three whole numbers within the limits (OptionWholes)
+  kDims,       // as kVoxel; on a command line perhaps the time steps as a fourth (OptionWholes)
   kBox,        // the lower and the upper corner of a box of voxels (OptionWholes)
   kPoints,     // pairs of a value, ascending, and an opacity (a list of OptionReals)
   kPlanes,     // normal and offset each (a list of OptionReals)
@@ -61,6 +67,8 @@ struct OptionKind {
   NumberRange<double> limits = {};
   std::string_view noun = "a number";  // of a value, in the messages of checks
   std::vector<std::string_view> words = {};
+  // The one of the words that another word stands for; nullopt: none. Null: no others are known.
+  std::optional<std::string_view> (*meant)(const std::string& word) = nullptr;
   // The flags that stand for the words on a command line; empty: no flag says the word.
   std::vector<std::string_view> flags = {};
   std::string_view needs = {};  // a flag that the option is printed with
@@ -70,17 +78,21 @@ struct OptionKind {
 
 // The object of a saved view that an option is in: "camera", "look", or the view itself. kPicture:
 // none; the option says how one picture is made, and views are saved and printed without it.
-enum class OptionPart { kCamera, kLook, kTop, kPicture };
+// kVolume: "volume"; the options of VolumeOptions, and no others.
+enum class OptionPart { kCamera, kLook, kTop, kPicture, kVolume };
 
 // Headings of --help.
-inline constexpr std::string_view kViewHeading = "View", kLookHeading = "Look",
+inline constexpr std::string_view kVolumeHeading = "Volume", kViewHeading = "View",
+                                  kLookHeading = "Look",
                                   kPartsHeading = "Channels, labels, surfaces",
                                   kLightHeading = "Light", kDrawingHeading = "Drawing",
                                   kLevelsHeading = "Levels of resolution";
 
-struct OptionEntry {
+// `Subject`: the struct that holds the option's value.
+template <class Subject>
+struct EntryOf {
   const char* key = "";          // the name in that object
-  std::string_view option = {};  // "--zoom"; empty for an option of the window alone
+  std::string_view option = {};  // "--zoom"; empty: a command line has none
   // The member of the library's structs as messages name it: "view.zoom". An entry gives the last
   // part alone, and nothing if that is its key. Empty in the table: the library has no such member.
   std::string field = {};
@@ -97,25 +109,54 @@ struct OptionEntry {
   std::string_view help = {};   // the line of --help; empty if the command line words it
   // Whether views are saved with the option, and whether commands are printed with one that is
   // saved. Null: always.
-  bool (*is_saved)(const ViewState&) = nullptr;
-  bool (*is_printed)(const ViewState&) = nullptr;
+  bool (*is_saved)(const Subject&) = nullptr;
+  bool (*is_printed)(const Subject&) = nullptr;
   OptionPart part = OptionPart::kTop;
-  // nullopt: the view does not set the option.
-  std::function<std::optional<OptionValue>(const ViewState&)> get = {};
+  // nullopt: the subject does not set the option.
+  std::function<std::optional<OptionValue>(const Subject&)> get = {};
   // Requires: the alternative is the form's, with as many numbers, and a word is one of `words`.
-  std::function<void(ViewState&, const OptionValue&)> set = {};
+  std::function<void(Subject&, const OptionValue&)> set = {};
 };
+using OptionEntry = EntryOf<ViewState>;
+using VolumeEntry = EntryOf<VolumeOptions>;
 
-// All options, part by part, in the order in which a saved view is read.
+// All options of a view, part by part, and those of a volume, in the order in which a saved view is
+// read.
 const std::vector<OptionEntry>& optionTable();
+const std::vector<VolumeEntry>& volumeTable();
 
 // The entry of an option. Requires: there is one.
-const OptionEntry& optionEntry(std::string_view option);
+template <class Subject>
+const EntryOf<Subject>& entryIn(const std::vector<EntryOf<Subject>>& table,
+                                std::string_view option) {
+  const auto found = std::ranges::find(table, option, &EntryOf<Subject>::option);
+  SLUICE_CHECK(found != table.end());
+  return *found;
+}
+inline const OptionEntry& optionEntry(std::string_view option) {
+  return entryIn(optionTable(), option);
+}
 
 // All names that stand for the option on a command line, flags included: "--shade", "--no-shade".
-std::vector<std::string_view> optionNames(const OptionEntry& entry);
+template <class Subject>
+std::vector<std::string_view> optionNames(const EntryOf<Subject>& entry) {
+  std::vector<std::string_view> names;
+  for (const std::string_view name : {entry.option, entry.kind.needs})
+    if (!name.empty()) names.push_back(name);
+  for (const std::string_view flag : entry.kind.flags)
+    if (!flag.empty() && flag != entry.option) names.push_back(flag);
+  return names;
+}
 
-// The value that a view is saved with; nullopt: it is saved without the option.
-std::optional<OptionValue> savedValue(const OptionEntry& entry, const ViewState& state);
+// The value that a view is saved with; nullopt: it is saved without the option, as it is without
+// the options of its volume that have their defaults.
+template <class Subject>
+std::optional<OptionValue> savedValue(const EntryOf<Subject>& entry, const Subject& subject) {
+  if (entry.part == OptionPart::kPicture) return std::nullopt;
+  if (entry.is_saved != nullptr && !entry.is_saved(subject)) return std::nullopt;
+  std::optional<OptionValue> value = entry.get(subject);
+  if (entry.part == OptionPart::kVolume && value == entry.get({})) return std::nullopt;
+  return value;
+}
 
 }  // namespace sluice

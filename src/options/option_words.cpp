@@ -40,7 +40,9 @@ std::string textOf(const std::vector<OptionReals>& points) {
   return text;
 }
 
-void addWords(std::vector<OptionWord>& words, const OptionEntry& entry, const OptionValue& value) {
+template <class Subject>
+void addWords(std::vector<OptionWord>& words, const EntryOf<Subject>& entry,
+              const OptionValue& value) {
   if (!entry.kind.needs.empty()) words.emplace_back(entry.kind.needs, "");
   if (!entry.kind.flags.empty()) {
     const auto at =
@@ -48,7 +50,8 @@ void addWords(std::vector<OptionWord>& words, const OptionEntry& entry, const Op
     const auto flag = entry.kind.flags[static_cast<size_t>(at - entry.kind.words.begin())];
     if (!flag.empty()) words.emplace_back(flag, "");
   } else if (entry.kind.form == OptionForm::kFlag) {
-    words.emplace_back(entry.option, "");
+    const auto& named = entry.kind.words;
+    words.emplace_back(entry.option, named.empty() ? "" : named[std::get<bool>(value) ? 1 : 0]);
   } else if (entry.kind.form == OptionForm::kColor) {
     words.emplace_back(entry.option, colorWord(std::get<OptionReals>(value)));
   } else if (entry.kind.form == OptionForm::kPlanes) {
@@ -76,6 +79,14 @@ std::vector<OptionWord> optionWords(const ViewState& state,
   for (const OptionEntry* entry : entries)
     if (entry->is_printed == nullptr || entry->is_printed(state))
       if (const auto value = savedValue(*entry, state)) addWords(words, *entry, *value);
+  return words;
+}
+
+std::vector<OptionWord> volumeWords(const VolumeOptions& options) {
+  std::vector<OptionWord> words;
+  for (const VolumeEntry& entry : volumeTable())
+    if (const auto value = savedValue(entry, options); value && !entry.option.empty())
+      addWords(words, entry, *value);
   return words;
 }
 

@@ -1,4 +1,5 @@
-// From a view to options as a command line takes them, by the table of options. Pure functions.
+// From a view or a volume to options as a command line takes them, by the table of options. Pure
+// functions.
 #pragma once
 
 #include <functional>
@@ -18,6 +19,8 @@ using OptionWord = std::pair<std::string, std::string>;
 // (OptionEntry::is_printed), in ascending order of turns.
 std::vector<OptionWord> optionWords(const ViewState& state,
                                     const std::function<bool(const OptionEntry&)>& takes);
+// The options of a volume (--dims, --type, ...) that are set, in the table's order.
+std::vector<OptionWord> volumeWords(const VolumeOptions& options);
 // The light and the sampling (OptionEntry::is_light).
 std::vector<OptionWord> lightWords(const ViewState& state);
 

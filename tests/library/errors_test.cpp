@@ -93,6 +93,8 @@ TEST(FieldNames, areMembersOfTheHeaders) {
   std::set<std::string> options = optionsInMessages();
   for (const OptionEntry& entry : optionTable())
     for (const std::string_view name : optionNames(entry)) options.emplace(name);
+  for (const VolumeEntry& entry : volumeTable())
+    for (const std::string_view name : optionNames(entry)) options.emplace(name);
   for (const std::string& option : options) {
     const std::string field = inFields(option);
     if (field == option || field == "width and height") continue;

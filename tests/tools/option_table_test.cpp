@@ -1,5 +1,5 @@
-// Every option of a view survives a saved view and a command line: values at random for each entry
-// of the table, with a seed, there and back.
+// Every option of a view or a volume survives a saved view and a command line: values at random for
+// each entry of the table, with a seed, there and back.
 #include "src/options/option_table.h"
 
 #include <fmt/format.h>
@@ -25,7 +25,8 @@ class Values {
       case OptionForm::kFlag:
         return true;
       case OptionForm::kWhole:
-        return whole(0, kind.limits.most < 1000 ? static_cast<int64_t>(kind.limits.most) : 1000);
+        return whole(static_cast<int64_t>(std::max(kind.limits.least, 0.0)),
+                     kind.limits.most < 1000 ? static_cast<int64_t>(kind.limits.most) : 1000);
       case OptionForm::kBytes:
         return whole(1, int64_t{1} << 62);
       case OptionForm::kNumber:
@@ -37,6 +38,11 @@ class Values {
         return std::string(whole(0, 1) == 0 ? "viridis" : "c0ffee");  // colours are the only texts
       case OptionForm::kFile:
         return std::string(whole(0, 1) == 0 ? "no such file.json" : "b.json");
+      case OptionForm::kName:
+        return std::string("caf\xe9 '3'");
+      case OptionForm::kChannel:
+        if (whole(0, 1) == 0) return std::string("0,DAPI \xff");
+        return whole(0, static_cast<int64_t>(kind.limits.most));
       case OptionForm::kRange:
         return numbers(2);
       case OptionForm::kPlace:
@@ -44,8 +50,14 @@ class Values {
         return numbers(3);
       case OptionForm::kColor:
         return OptionReals{channel(), channel(), channel()};
+      case OptionForm::kSpacing:
+        return OptionReals{number(1e-9, 1), number(1, 1e3), number(1e3, kind.limits.most)};
       case OptionForm::kVoxel:
         return OptionWholes{whole(0, 99), whole(0, 99), whole(0, 99)};
+      case OptionForm::kDims: {
+        const OptionWholes dims{whole(1, 99), whole(1, 99), whole(1, int64_t{1} << 40)};
+        return whole(0, 1) == 0 ? dims : OptionWholes{dims[0], dims[1], dims[2], whole(1, 99)};
+      }
       case OptionForm::kBox: {
         const OptionWholes lo{whole(0, 99), whole(0, 99), whole(0, int64_t{1} << 39)};
         return OptionWholes{lo[0], lo[1], lo[2], lo[0] + 2, lo[1] + whole(2, 9), lo[2] + 5};
@@ -100,14 +112,14 @@ ViewState viewWith(const OptionEntry& entry, Values& values) {
   return state;
 }
 
-// The view that the options of `sluice render` ask for.
-ViewState parsed(const std::vector<OptionWord>& words) {
-  VolumeArguments volume;
+// The view, or volume, that the options of `sluice render` ask for.
+ViewState parsed(const std::vector<OptionWord>& words, VolumeArguments& volume) {
   LookArguments look;
   FrameOptions frame;
   FitChoice fit;
   CLI::App app;
   addVolumeOptions(app, volume, nullptr, false);
+  addOverOption(app, volume);
   ResourceArguments resources;
   const AskedView asked = addPictureOptions(app, look, frame, fit);
   addFrameOptions(app, asked, frame);
@@ -120,6 +132,17 @@ ViewState parsed(const std::vector<OptionWord>& words) {
   app.parse(given);
   return viewState(*asked, volume, look);
 }
+ViewState parsed(const std::vector<OptionWord>& words) {
+  VolumeArguments volume;
+  return parsed(words, volume);
+}
+
+// The values that the table of options holds of a volume.
+std::vector<std::optional<OptionValue>> valuesOf(const VolumeOptions& options) {
+  std::vector<std::optional<OptionValue>> values;
+  for (const VolumeEntry& entry : volumeTable()) values.push_back(entry.get(options));
+  return values;
+}
 
 TEST(OptionTable, everyOptionSurvivesASavedView) {
   Values values;
@@ -128,6 +151,23 @@ TEST(OptionTable, everyOptionSurvivesASavedView) {
       const ViewState state = viewWith(entry, values);
       const std::string text = stateText({}, state);
       EXPECT_EQ(parseState(text, "here").state, state) << text;
+    }
+}
+
+TEST(OptionTable, everyOptionOfAVolumeSurvivesASavedViewAndACommandLine) {
+  Values values;
+  for (const VolumeEntry& entry : volumeTable())
+    for (int i = 0; i < 20; ++i) {
+      ViewedVolume volume{{"a.raw"}, {}};
+      volume.options.dims = {4, 5, 6};  // time_steps needs them
+      entry.set(volume.options, values.of(entry.kind));
+      EXPECT_NE(valuesOf(volume.options), valuesOf({}));
+      const std::string text = stateText(volume, {});
+      EXPECT_EQ(valuesOf(parseState(text, "here").volume->options), valuesOf(volume.options))
+          << text;
+      VolumeArguments arguments;
+      parsed(volumeWords(volume.options), arguments);
+      EXPECT_EQ(valuesOf(arguments.asked), valuesOf(volume.options)) << entry.key;
     }
 }
 

@@ -45,17 +45,22 @@ TEST_F(SavedView, wrongNumbersAreNamedByFileAndField) {
 // The options of `render` have limits of their own. Values beyond them are no wrong usage.
 TEST_F(SavedView, valuesBeyondAnOptionAreTheFiles) {
   const std::string volume = kStateVolume;
-  for (const std::string field :
-       {R"("look": {"map": "no such"})", R"("look": {"channels": ["0:red", "0:blue"]})",
-        R"("volume": {"paths": ["a.nrrd"], "spacing": [1e15, 1, 1]})",
-        R"("volume": {"paths": ["a.raw"], "dims": [4611686018427387904, 1, 1]})",
-        R"("volume": {"paths": ["a.raw"], "channel": 1000000000000})"}) {
+  const std::vector<std::pair<std::string, std::string>> wrong{
+      {R"("look": {"map": "no such"})", "--map"},
+      {R"("look": {"channels": ["0:red", "0:blue"]})", "--look"},
+      {R"("volume": {"paths": ["a.nrrd"], "spacing": [1e13, 1, 1]})",
+       "expected a number above 0, up to 1000000000000 at /volume/spacing/0"},
+      {R"("volume": {"paths": ["a.raw"], "dims": [4611686018427387904, 1, 1]})",
+       "expected a whole number from 1 to 1099511627776 at /volume/dims/0"},
+      {R"("volume": {"paths": ["a.raw"], "channel": 1000000000000})",
+       "expected a whole number from 0 to 1000000 at /volume/channel"}};
+  for (const auto& [field, said] : wrong) {
     SCOPED_TRACE(field);
     write("wrong.json", R"({"sluice": "view", )" + field + "}");
     const CommandResult result =
         render((field.starts_with("\"volume") ? "" : volume + " ") + "--state wrong.json -o b.png");
     EXPECT_EQ(result.status, 1);
-    EXPECT_THAT(result.output, testing::StartsWith("sluice: wrong.json: --"));
+    EXPECT_THAT(result.output, testing::StartsWith("sluice: wrong.json: " + said));
     EXPECT_EQ(std::count(result.output.begin(), result.output.end(), '\n'), 1) << result.output;
   }
 }

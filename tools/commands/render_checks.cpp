@@ -50,7 +50,7 @@ bool numbersPictures(const Arguments& arguments) {
 Outputs renderOutputs(const Arguments& arguments, const Scene* scene) {
   Outputs outputs(arguments.force);
   outputs.reads(arguments.volume.inputs);
-  outputs.reads({arguments.volume.over, arguments.path_file, arguments.state_file});
+  outputs.reads({arguments.volume.asked.over, arguments.path_file, arguments.state_file});
   outputs.reads(filesOf(arguments.look));
   outputs.reads(basisFiles(arguments.culling));
   if (isFilmName(arguments.output))

@@ -266,7 +266,7 @@ size_t SimulateArguments::runs() const {
 Outputs outputsOf(const SimulateArguments& arguments) {
   Outputs outputs(arguments.force);
   outputs.reads(arguments.turn.volume.inputs);
-  outputs.reads(arguments.turn.volume.over);
+  outputs.reads(arguments.turn.volume.asked.over);
   outputs.reads(filesOf(arguments.turn.look));
   outputs.writes("--html", arguments.html_file, FileKind::kPage);
   outputs.writes("--report", arguments.report_file, reportKind(arguments.report_file));

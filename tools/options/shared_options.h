@@ -1,7 +1,7 @@
 // The options that commands share, a group a function, a file a group. Scripts read these names
 // (the interface); nothing is renamed. To add one is one call in the right file. An option of a
-// view is an entry of the table of options instead (src/options/option_table.h): the functions here
-// add all entries that have a heading.
+// view or a volume is an entry of the table of options instead (src/options/option_table.h): the
+// functions here add all entries that have a heading.
 #pragma once
 
 #include <algorithm>

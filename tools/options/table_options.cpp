@@ -54,21 +54,57 @@ std::optional<OptionValue> wholesOf(const OptionReals& numbers) {
   return wholes;
 }
 
+// One number for all axes, or one each.
+std::optional<OptionValue> spacingOf(const std::string& word) {
+  if (const auto one = parseNumbers(word, 1)) return OptionReals(3, one->front());
+  return parseNumbers(word, 3);
+}
+
+std::optional<OptionValue> dimsOf(const std::string& word) {
+  auto numbers = parseNumbers(word, 3);
+  if (!numbers) numbers = parseNumbers(word, 4);
+  return numbers ? wholesOf(*numbers) : std::nullopt;
+}
+
+// A word of digits is a number, whatever the channels are called.
+std::optional<OptionValue> channelOf(const std::string& word) {
+  if (word.empty()) return std::nullopt;
+  if (word.find_first_not_of("+-0123456789") != std::string::npos) return word;
+  return parseWhole(word);
+}
+
+NumberRange<int64_t> wholesIn(const NumberRange<double>& range) {
+  NumberRange<int64_t> wholes;
+  if (range.least > -0x1p63) wholes.least = static_cast<int64_t>(range.least);
+  if (range.most < 0x1p63) wholes.most = static_cast<int64_t>(range.most);
+  return wholes;
+}
+
 // The value that a word of the entry's form says, in range or not; nullopt: it is no such word.
-std::optional<OptionValue> readWord(const OptionEntry& entry, const std::string& word) {
+std::optional<OptionValue> readWord(const auto& entry, const std::string& word) {
   switch (entry.kind.form) {
     case OptionForm::kWhole:
-      return parseWhole(word);
+      return parseIn<int64_t>(word, wholesIn(entry.kind.limits));
     case OptionForm::kBytes:
       return parseByteSize(word);
     case OptionForm::kNumber:
       return parseReal(word);
     case OptionForm::kSeconds:
       return parseSeconds(word);
+    case OptionForm::kFlag:
+      return word == entry.kind.words[1];
     case OptionForm::kWord:
+      if (const auto meant = entry.kind.meant) return std::string(meant(word).value_or(word));
       return word;
     case OptionForm::kFile:
+    case OptionForm::kName:
       return word.empty() ? std::nullopt : std::optional<OptionValue>(word);
+    case OptionForm::kChannel:
+      return channelOf(word);
+    case OptionForm::kSpacing:
+      return spacingOf(word);
+    case OptionForm::kDims:
+      return dimsOf(word);
     case OptionForm::kChannels:
       return parseChannelLook(word) ? std::optional<OptionValue>(std::vector<std::string>{word})
                                     : std::nullopt;
@@ -97,9 +133,17 @@ std::optional<OptionValue> readWord(const OptionEntry& entry, const std::string&
   return *numbers;
 }
 
-std::string expectedOf(const OptionEntry& entry) {
+std::string expectedOf(const auto& entry) {
   std::string range = rangeText(entry.kind.limits);
   switch (entry.kind.form) {
+    case OptionForm::kChannel:
+      return fmt::format("a channel's number from 0 to {:.0f}, or its name",
+                         entry.kind.limits.most);
+    case OptionForm::kSpacing:
+      return "one number or X,Y,Z, each" + range.substr(std::string_view("a number").size());
+    case OptionForm::kDims:
+      return "whole numbers X,Y,Z or X,Y,Z,T, each from 1 to 2^40";
+    case OptionForm::kName:
     case OptionForm::kFile:
       return "a name that is not empty";
     case OptionForm::kRange:
@@ -124,7 +168,7 @@ std::string expectedOf(const OptionEntry& entry) {
     case OptionForm::kPoints:
       return "pairs V:A of values, ascending, and opacities from 0 to 1";
     case OptionForm::kWhole:
-      return "a whole " + range.substr(std::string_view("a ").size());
+      return rangeText(wholesIn(entry.kind.limits));
     case OptionForm::kBytes:
       return kByteSizes;
     case OptionForm::kNumber:
@@ -137,9 +181,11 @@ std::string expectedOf(const OptionEntry& entry) {
 }
 
 // The default in --help; empty for what is not set.
-std::string shownOf(const OptionEntry& entry, const ViewState& asked) {
+template <class Subject>
+std::string shownOf(const EntryOf<Subject>& entry, const Subject& asked) {
   const std::optional<OptionValue> value = entry.get(asked);
   if (!value) return "";
+  if (entry.kind.form == OptionForm::kWhole) return fmt::format("{}", std::get<int64_t>(*value));
   if (entry.kind.form == OptionForm::kNumber) return numberText(std::get<double>(*value));
   return entry.kind.form == OptionForm::kWord ? std::get<std::string>(*value) : "";
 }
@@ -158,23 +204,23 @@ std::string givenTwice(OptionForm form, const std::string& earlier, const std::s
   return "label " + later.substr(0, later.find('='));
 }
 
-void requireOnce(const OptionEntry& entry, const std::vector<std::string>& earlier,
+void requireOnce(const auto& entry, const std::vector<std::string>& earlier,
                  const std::string& later) {
   for (const std::string& each : earlier)
     if (const std::string twice = givenTwice(entry.kind.form, each, later); !twice.empty())
       throw CLI::ValidationError(
           fmt::format("{} {}: {} is given twice", entry.option, later, twice));
 }
-void requireOnce(const OptionEntry& /*entry*/, const std::vector<OptionReals>& /*earlier*/,
+void requireOnce(const auto& /*entry*/, const std::vector<OptionReals>& /*earlier*/,
                  const OptionReals& /*later*/) {}
 
 // The planes, or looks of channels or labels, asked for so far, and one more.
-template <class Lists>
-OptionValue oneMore(const OptionEntry& entry, const ViewState& asked, const Lists& one) {
+template <class Subject, class Lists>
+OptionValue oneMore(const EntryOf<Subject>& entry, const Subject& asked, const Lists& one) {
   Lists all = std::get<Lists>(entry.get(asked).value_or(Lists()));
   requireOnce(entry, all, one.front());
   all.push_back(one.front());
-  if (const auto fault = faultOf(entry, all))
+  if (const auto fault = faultOf(entry.kind, all))
     throw CLI::ValidationError(fmt::format("{}: {}", entry.option, fault->expected));
   return all;
 }
@@ -185,7 +231,8 @@ bool isGivenAgain(OptionForm form) {
 }
 
 // The value together with those that were given earlier, if the option may be given again.
-OptionValue withEarlier(const OptionEntry& entry, const ViewState& asked,
+template <class Subject>
+OptionValue withEarlier(const EntryOf<Subject>& entry, const Subject& asked,
                         const OptionValue& value) {
   if (entry.kind.form == OptionForm::kPlanes)
     return oneMore(entry, asked, std::get<std::vector<OptionReals>>(value));
@@ -194,44 +241,61 @@ OptionValue withEarlier(const OptionEntry& entry, const ViewState& asked,
   return value;
 }
 
+const std::vector<OptionEntry>& tableOf(const ViewState& /*asked*/) {
+  return optionTable();
+}
+const std::vector<VolumeEntry>& tableOf(const VolumeOptions& /*asked*/) {
+  return volumeTable();
+}
+
 }  // namespace
 
-CLI::Option* TableOptions::add(const std::string& names, const std::string& shown,
-                               const std::string& heading) const {
-  const OptionEntry& entry = optionEntry(names.substr(names.find("--")));
+template <class Subject>
+CLI::Option* TableOptionsOf<Subject>::add(const std::string& names, const std::string& shown,
+                                          const std::string& heading) const {
+  const EntryOf<Subject>& entry = entryIn(tableOf(*asked_), names.substr(names.find("--")));
   const OptionGroup all(app_, heading.empty() ? std::string(entry.heading) : heading);
   const OptionGroup group = entry.is_rare ? all.rare() : all;
   const auto parse = [&entry](const std::string& word) {
     auto value = readWord(entry, word);
-    return value && !faultOf(entry, *value) ? value : std::nullopt;
+    return value && !faultOf(entry.kind, *value) ? value : std::nullopt;
   };
   const auto keep = [&entry, take = take_, asked = asked_](const OptionValue& value) {
     entry.set(*asked, withEarlier(entry, *asked, value));
     take(*asked);
   };
   const std::string help(entry.help), as_default = shown.empty() ? shownOf(entry, *asked_) : shown;
-  if (entry.kind.form == OptionForm::kFlag)
+  const std::vector<std::string> words(entry.kind.words.begin(), entry.kind.words.end());
+  if (entry.kind.form == OptionForm::kFlag && words.empty())
     return group.flag(
         names, [keep] { keep(true); }, help);
   if (!entry.kind.bare.empty())
     return group.valuedFlag(names, std::string(entry.kind.bare), expectedOf(entry), parse, keep,
                             help);
-  if (entry.kind.form == OptionForm::kWord)
-    return group.word(names, {entry.kind.words.begin(), entry.kind.words.end()}, keep, help,
-                      as_default);
-  CLI::Option* option = group.parsed(names, std::string(entry.value), expectedOf(entry), parse,
-                                     keep, help, as_default);
-  return isGivenAgain(entry.kind.form) ? option->trigger_on_parse() : option;
+  if (!words.empty())
+    return group.word(
+        names, words, [keep, parse](const std::string& word) { keep(*parse(word)); }, help,
+        as_default,
+        [meant = entry.kind.meant](const std::string& word) {
+          return meant != nullptr && meant(word);
+        });
+  CLI::Option* added = group.parsed(names, std::string(entry.value), expectedOf(entry), parse, keep,
+                                    help, as_default);
+  return isGivenAgain(entry.kind.form) ? added->trigger_on_parse() : added;
 }
 
-void TableOptions::addRest(std::string_view heading, OptionPart part) const {
-  for (const OptionEntry& entry : optionTable()) {
+template <class Subject>
+void TableOptionsOf<Subject>::addRest(std::string_view heading, OptionPart part) const {
+  for (const EntryOf<Subject>& entry : tableOf(*asked_)) {
     const std::string option(entry.option);
     if (entry.heading == heading && entry.part == part && !option.empty() &&
         app_.get_option_no_throw(option) == nullptr)
       add(option);
   }
 }
+
+template class TableOptionsOf<ViewState>;
+template class TableOptionsOf<VolumeOptions>;
 
 void pairOptions(CLI::App& command) {
   const auto forEach = [&command](std::span<const OptionPair> pairs, auto pair) {

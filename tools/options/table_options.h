@@ -1,4 +1,4 @@
-// Options of a view on the command line, as the table of options describes them
+// Options of a view or a volume on the command line, as the table of options describes them
 // (src/options/option_table.h).
 #pragma once
 
@@ -18,12 +18,14 @@ namespace sluice {
 // which fill it as they are parsed.
 using AskedView = std::shared_ptr<ViewState>;
 
-class TableOptions {
+// `Subject`: ViewState or VolumeOptions.
+template <class Subject>
+class TableOptionsOf {
  public:
-  using Take = std::function<void(const ViewState&)>;
+  using Take = std::function<void(const Subject&)>;
 
-  // `app` must outlive the options. `take` gets the view whenever an option has changed it.
-  TableOptions(CLI::App& app, AskedView asked, Take take)
+  // `app` must outlive the options. `take` gets the subject whenever an option has changed it.
+  TableOptionsOf(CLI::App& app, std::shared_ptr<Subject> asked, Take take)
       : app_(app), asked_(std::move(asked)), take_(std::move(take)) {}
 
   // Adds an option. `names`: with a short name, if it has one. `shown`: the default in --help if
@@ -35,9 +37,10 @@ class TableOptions {
 
  private:
   CLI::App& app_;
-  const AskedView asked_;
+  const std::shared_ptr<Subject> asked_;
   const Take take_;
 };
+using TableOptions = TableOptionsOf<ViewState>;
 
 // Lets the options of a command go together as option_rules.h says. To be called when the command
 // has all of them.

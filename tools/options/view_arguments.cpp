@@ -7,35 +7,14 @@
 #include "src/library/conversions.h"
 
 namespace sluice {
-namespace {
-
-template <class T>
-std::array<T, 3> asArray(Vec3<T> v) {
-  return {v.x, v.y, v.z};
-}
-
-}  // namespace
-
 ViewedVolume viewedVolume(const VolumeArguments& volume, const ResourceArguments& resources,
                           const std::string& index_folder, bool whole_series) {
-  ViewedVolume viewed;
-  viewed.paths = volume.inputs;
+  ViewedVolume viewed{volume.inputs, volume.asked};
   VolumeOptions& options = viewed.options;
-  const OpenOptions& open = volume.open;
-  if (open.dims) options.dims = asArray(*open.dims);
-  if (open.type) options.type = name(*open.type);
-  options.big_endian = open.byte_order == std::endian::big;
-  options.skip_bytes = open.skip_bytes;
-  options.time_steps = open.time_steps;
-  if (open.spacing) options.spacing = asArray(*open.spacing);
-  options.grid = open.grid;
-  options.channel = open.channel.number;
-  options.channel_name = open.channel.name;
-  options.over = volume.over;
   options.whole_series = whole_series;
   options.time = volume.time;
   options.index_folder = index_folder;
-  options.temporary_folder = open.decode.folder;
+  options.temporary_folder = volume.open.decode.folder;
   options.memory_bytes = resources.memory_bytes;
   options.threads = resources.threads;
   return viewed;

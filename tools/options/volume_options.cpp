@@ -3,8 +3,8 @@
 #include <bit>
 #include <memory>
 
-#include "io/headers/volume_description.h"
 #include "src/base/values/bytes.h"
+#include "src/library/conversions.h"
 #include "tools/command_line/console.h"
 #include "tools/command_line/environment.h"
 #include "tools/command_line/interrupt.h"
@@ -14,40 +14,7 @@
 namespace sluice {
 namespace {
 
-constexpr double kMostSpacing = 1e12;
 constexpr int64_t kMostSteps = 1'000'000'000;
-
-std::optional<std::vector<double>> dimensions(const std::string& word) {
-  auto found = parseNumbers(word, 3);
-  if (!found) found = parseNumbers(word, 4);
-  if (!found) return std::nullopt;
-  for (const double n : *found)
-    if (n < 1 || n > kMostVoxels || n != static_cast<double>(static_cast<int64_t>(n)))
-      return std::nullopt;
-  return found;
-}
-
-// Parses one spacing for all axes, or one each.
-std::optional<std::vector<double>> spacings(const std::string& word) {
-  auto found = parseNumbers(word, 3);
-  if (!found) {
-    const auto one = parseNumbers(word, 1);
-    if (!one) return std::nullopt;
-    found = std::vector<double>(3, one->front());
-  }
-  for (const double n : *found)
-    if (!(n > 0 && n <= kMostSpacing)) return std::nullopt;
-  return found;
-}
-
-// A word of digits is a number, whatever the channels are called.
-std::optional<ChannelWish> channel(const std::string& word) {
-  if (word.empty()) return std::nullopt;
-  if (word.find_first_not_of("+-0123456789") != std::string::npos)
-    return ChannelWish(std::nullopt, word);
-  const auto number = parseIn<int64_t>(word, {0, 1'000'000});
-  return number ? std::optional(ChannelWish(*number)) : std::nullopt;
-}
 
 // "5", "0:63" or "0:63:4", the last one included.
 std::optional<TimeRange> timeRange(const std::string& word) {
@@ -100,6 +67,17 @@ void addWebCacheOptions(const OptionGroup& group, WebCache& cache) {
       "The folder of --cache (in the user's cache folder); without --cache the limit is 20G");
 }
 
+TableOptionsOf<VolumeOptions> tableFor(CLI::App& app, VolumeArguments& arguments) {
+  // The caller keeps the arguments.
+  const std::shared_ptr<VolumeOptions> asked(std::shared_ptr<void>(), &arguments.asked);
+  return {app, asked, [&app, &arguments](const VolumeOptions& options) {
+            setOpen(arguments);
+            // Files other than raw ones refuse any byte order, even the usual one.
+            if (app.count("--endian") > 0 && !options.big_endian)
+              arguments.open.byte_order = std::endian::little;
+          }};
+}
+
 }  // namespace
 
 void addVolumeOptions(CLI::App& app, VolumeArguments& arguments, std::optional<TimeRange>* times,
@@ -118,35 +96,9 @@ void addVolumeOptions(CLI::App& app, VolumeArguments& arguments, std::optional<T
           "synth:KIND,..."))
       ->required(needs_volume)
       ->type_name("VOLUME")
-      ->group("Volume");
-  const OptionGroup group(app, "Volume");
-  group.parsed(
-      "--dims", "X,Y,Z[,T]", "whole numbers X,Y,Z or X,Y,Z,T, each from 1 to 2^40", dimensions,
-      [&arguments](const std::vector<double>& n) {
-        arguments.open.dims = asVec3i(n);
-        if (n.size() == 4) arguments.open.time_steps = static_cast<int64_t>(n[3]);
-      },
-      "Raw: voxels along each axis, and time steps");
-  addTypeOption(group,
-                {VoxelType::kU8, VoxelType::kI8, VoxelType::kU16, VoxelType::kI16, VoxelType::kU32,
-                 VoxelType::kI32, VoxelType::kF32, VoxelType::kF64},
-                arguments.open.type, "Raw: voxel type");
-  group.rare().choice(
-      "--endian", Words<std::endian>{{"little", std::endian::little}, {"big", std::endian::big}},
-      arguments.open.byte_order, "Raw: byte order");
-  group.rare().number("--skip", "BYTES", arguments.open.skip_bytes, {0, kMostSkipBytes},
-                      "Raw: bytes before the voxels");
-  group.parsed(
-      "--spacing", "X,Y,Z", "one number or X,Y,Z, each above 0, up to 1e+12", spacings,
-      [&arguments](const std::vector<double>& n) { arguments.open.spacing = asVec3d(n); },
-      "World units between voxels, instead of the file's");
-  group.rare().text("--grid", "NAME", arguments.open.grid,
-                    "OpenVDB: name of the grid; DICOM: number of the series");
-  group.parsed(
-      "--channel", "N|NAME,...", "a channel's number from 0 to 1000000, or its name", channel,
-      [&arguments](const ChannelWish& wish) { arguments.open.channel = wish; },
-      "Zarr, N5, HDF5, VTK, TIFF: channel by its number, from 0 (the first), or by its name in the "
-      "file; pictures show several together (the active ones of an OME file, else the first)");
+      ->group(std::string(kVolumeHeading));
+  tableFor(app, arguments).addRest(kVolumeHeading, OptionPart::kVolume);
+  const OptionGroup group(app, std::string(kVolumeHeading));
   addWebCacheOptions(group, arguments.open.web.cache);
   if (times == nullptr) {
     group.number("--time", "STEP", arguments.time, {0, kMostSteps}, "Time step, from 0");
@@ -162,10 +114,7 @@ void addVolumeOptions(CLI::App& app, VolumeArguments& arguments, std::optional<T
 }
 
 void addOverOption(CLI::App& app, VolumeArguments& arguments) {
-  const OptionGroup group(app, "Volume");
-  group.text("--over", "SECOND", arguments.over,
-             "A second volume, drawn together with the first at its own place in the world, such "
-             "as labels over a scan; --look over:... gives its look");
+  tableFor(app, arguments).add("--over", "", std::string(kVolumeHeading));
 }
 
 }  // namespace sluice

@@ -143,7 +143,7 @@ int run(const PlanArguments& asked, const CLI::App& app) {
       cutOf(pictureOf(arguments), refines, refines ? PictureRow::kMore : PictureRow::kOne);
   Outputs outputs(arguments.force);
   outputs.reads(arguments.volume.inputs);
-  outputs.reads(arguments.volume.over);
+  outputs.reads(arguments.volume.asked.over);
   outputs.reads(filesOf(arguments.look));
   outputs.writes("--report", arguments.report_file, reportKind(arguments.report_file));
   outputs.checkNames();

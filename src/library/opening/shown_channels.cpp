@@ -146,7 +146,7 @@ std::vector<ChannelSource> openOwnChannels(const VolumeArguments& arguments) {
 
 // The options that say how to read the first volume's file do not count for the other one.
 VolumeArguments overArguments(const VolumeArguments& arguments) {
-  VolumeArguments over{.inputs = {arguments.over}};
+  VolumeArguments over{.inputs = {arguments.asked.over}};
   over.open.chunk_cache_bytes = arguments.open.chunk_cache_bytes;
   over.open.web = arguments.open.web;
   over.open.decode = arguments.open.decode;
@@ -157,7 +157,7 @@ VolumeArguments overArguments(const VolumeArguments& arguments) {
 
 ChannelSource openOver(const VolumeArguments& arguments, const VolumeLayout& first) {
   ChannelSource over = openChannel(overArguments(arguments));
-  const std::string name = withoutSecrets(arguments.over);
+  const std::string name = withoutSecrets(arguments.asked.over);
   over.source = withPlaceOf(first, std::move(over.source), name, over.notes);
   const VolumeLayout& layout = over.source->layout();
   if (layout.time_steps != 1 && layout.time_steps != first.time_steps)
@@ -178,7 +178,7 @@ ChannelSource openOver(const VolumeArguments& arguments, const VolumeLayout& fir
 
 std::vector<ChannelSource> openChannels(const VolumeArguments& arguments) {
   std::vector<ChannelSource> channels = openOwnChannels(arguments);
-  if (arguments.over.empty()) return channels;
+  if (arguments.asked.over.empty()) return channels;
   const VolumeLayout& first = channels.front().source->layout();
   // Each of two volumes is known by its file.
   if (channels.size() == 1 && channels.front().channel.name.empty())

@@ -19,7 +19,7 @@ namespace sluice {
 // the default is a volume of one channel.
 struct ShownChannel {
   int64_t number = 0;
-  bool is_over = false;                   // of VolumeArguments::over
+  bool is_over = false;                   // of VolumeOptions::over
   std::string name = {};                  // as the file has it, or the file's; may be empty
   std::string color = {};                 // a colour of --map: the file's, or a usual one
   std::optional<ValueRange> window = {};  // values that the file shows dark and bright

@@ -16,25 +16,6 @@ std::string asOperand(const std::string& path) {
 
 }  // namespace
 
-std::vector<OptionWord> volumeWords(const VolumeOptions& options) {
-  std::vector<OptionWord> words;
-  if (options.dims)
-    words.emplace_back("--dims",
-                       fmt::format("{}", fmt::join(*options.dims, ",")) +
-                           (options.time_steps ? fmt::format(",{}", *options.time_steps) : ""));
-  if (!options.type.empty()) words.emplace_back("--type", options.type);
-  if (options.big_endian) words.emplace_back("--endian", "big");
-  if (options.skip_bytes != 0) words.emplace_back("--skip", fmt::format("{}", options.skip_bytes));
-  if (options.spacing)
-    words.emplace_back("--spacing", fmt::format("{}", fmt::join(*options.spacing, ",")));
-  if (!options.grid.empty()) words.emplace_back("--grid", options.grid);
-  if (options.channel) words.emplace_back("--channel", fmt::format("{}", *options.channel));
-  if (!options.channel && !options.channel_name.empty())
-    words.emplace_back("--channel", options.channel_name);
-  if (!options.over.empty()) words.emplace_back("--over", asOperand(options.over));
-  return words;
-}
-
 std::vector<OptionWord> lookWords(const LookOptions& look) {
   ViewState state;
   state.look = look;

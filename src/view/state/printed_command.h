@@ -12,8 +12,6 @@
 
 namespace sluice {
 
-// The volume's options (--dims, --type, ...), without its paths.
-std::vector<OptionWord> volumeWords(const VolumeOptions& options);
 // The look as it was asked for.
 std::vector<OptionWord> lookWords(const LookOptions& look);
 // Camera, step, crop, clip planes, time and background.

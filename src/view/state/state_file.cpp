@@ -21,34 +21,13 @@ namespace {
 using nlohmann::json;
 
 constexpr uint64_t kMostBytes = uint64_t{1} << 20;
-constexpr double kMostSpacing = 1e15, kMostRate = 1000, kMostSeconds = 1e6;
-constexpr std::array kTypes{"u8", "i8", "u16", "i16", "u32", "i32", "f32", "f64"};
+constexpr double kMostRate = 1000, kMostSeconds = 1e6;
 
 std::string absolutePath(const std::string& path) {
   std::error_code unknown;
   if (!std::filesystem::exists(path, unknown) || unknown) return path;
   const auto absolute = std::filesystem::absolute(path, unknown);
   return unknown ? path : absolute.string();
-}
-
-json volumeJson(const ViewedVolume& volume) {
-  json made;
-  for (const std::string& path : volume.paths)
-    made["paths"].push_back(fileNameJson(absolutePath(path)));
-  const VolumeOptions& options = volume.options;
-  if (options.dims) made["dims"] = *options.dims;
-  if (!options.type.empty()) made["type"] = options.type;
-  if (options.big_endian) made["big_endian"] = true;
-  if (options.skip_bytes != 0) made["skip"] = options.skip_bytes;
-  if (options.time_steps) made["time_steps"] = *options.time_steps;
-  if (options.spacing) made["spacing"] = *options.spacing;
-  if (!options.grid.empty()) made["grid"] = fileNameJson(options.grid);
-  if (options.channel)
-    made["channel"] = *options.channel;
-  else if (!options.channel_name.empty())
-    made["channel"] = fileNameJson(options.channel_name);
-  if (!options.over.empty()) made["over"] = fileNameJson(absolutePath(options.over));
-  return made;
 }
 
 // The look of a channel, whose table of labels becomes absolute as other files do, unless the
@@ -61,16 +40,32 @@ json channelJson(const std::string& text) {
   return fileNameJson(parseChannelLook(moved) == look ? moved : text);
 }
 
-json jsonOf(const OptionEntry& entry, const OptionValue& value) {
-  if (entry.kind.form == OptionForm::kFile)
-    return fileNameJson(absolutePath(std::get<std::string>(value)));
-  if (entry.kind.form == OptionForm::kChannels) {
+json jsonOf(OptionForm form, const OptionValue& value) {
+  const auto* const text = std::get_if<std::string>(&value);
+  if (form == OptionForm::kFile) return fileNameJson(absolutePath(*text));
+  if (form == OptionForm::kName || (form == OptionForm::kChannel && text != nullptr))
+    return fileNameJson(*text);
+  if (form == OptionForm::kDims) {
+    const auto& n = std::get<OptionWholes>(value);  // the time steps have a key of their own
+    return {n[0], n[1], n[2]};
+  }
+  if (form == OptionForm::kChannels) {
     json made = json::array();
-    for (const std::string& text : std::get<std::vector<std::string>>(value))
-      made.push_back(channelJson(text));
+    for (const std::string& look : std::get<std::vector<std::string>>(value))
+      made.push_back(channelJson(look));
     return made;
   }
   return std::visit([](const auto& held) { return json(held); }, value);
+}
+
+json volumeJson(const ViewedVolume& volume) {
+  json made;
+  for (const std::string& path : volume.paths)
+    made["paths"].push_back(fileNameJson(absolutePath(path)));
+  for (const VolumeEntry& entry : volumeTable())
+    if (const auto value = savedValue(entry, volume.options))
+      made[entry.key] = jsonOf(entry.kind.form, *value);
+  return made;
 }
 
 template <class Number>
@@ -85,12 +80,6 @@ std::vector<Number> listOf(const JsonField& field, size_t count) {
       found.push_back(field[i].number());
   }
   return found;
-}
-
-template <class Number>
-std::array<Number, 3> tripleOf(const JsonField& field) {
-  const std::vector<Number> n = listOf<Number>(field, 3);
-  return {n[0], n[1], n[2]};
 }
 
 // The position of a word among those that are known.
@@ -113,51 +102,11 @@ double aboveZero(const JsonField& field, double most) {
   return number;
 }
 
-int64_t wholeFrom(int64_t least, const JsonField& field) {
-  const int64_t number = field.whole();
-  if (number < least) field.failExpected(fmt::format("a whole number from {}", least));
-  return number;
-}
-
 // Empty, it would be as if the field were not there.
 std::string nameOf(const JsonField& field) {
   std::string name = fileNameOf(field);
   if (name.empty()) field.failExpected("a name that is not empty");
   return name;
-}
-
-ViewedVolume volumeOf(const JsonField& field) {
-  field.allowOnly({"paths", "dims", "type", "big_endian", "skip", "time_steps", "spacing", "grid",
-                   "channel", "over"});
-  ViewedVolume volume;
-  const JsonField paths = field.require("paths");
-  if (!paths.isArray() || paths.size() == 0) paths.failExpected("a list of files");
-  for (size_t i = 0; i < paths.size(); ++i) volume.paths.push_back(nameOf(paths[i]));
-  VolumeOptions& options = volume.options;
-  if (const auto f = field.find("dims")) {
-    options.dims = tripleOf<int64_t>(*f);
-    for (size_t a = 0; a < 3; ++a) wholeFrom(1, (*f)[a]);
-  }
-  if (const auto f = field.find("type")) options.type = kTypes[wordOf(*f, kTypes)];
-  if (const auto f = field.find("big_endian")) options.big_endian = f->flag();
-  if (const auto f = field.find("skip")) options.skip_bytes = wholeFrom(0, *f);
-  if (const auto f = field.find("time_steps")) {
-    options.time_steps = wholeFrom(1, *f);
-    if (!options.dims) f->failExpected("\"dims\", too, because both are of a raw volume,");
-  }
-  if (const auto f = field.find("spacing")) {
-    options.spacing = tripleOf<double>(*f);
-    for (size_t a = 0; a < 3; ++a) aboveZero((*f)[a], kMostSpacing);
-  }
-  if (const auto f = field.find("grid")) options.grid = nameOf(*f);
-  if (const auto f = field.find("channel")) {
-    if (f->isNumber())
-      options.channel = wholeFrom(0, *f);
-    else
-      options.channel_name = nameOf(*f);
-  }
-  if (const auto f = field.find("over")) options.over = nameOf(*f);
-  return volume;
 }
 
 // A list of texts, each `expected`.
@@ -172,8 +121,8 @@ std::vector<std::string> textsOf(const JsonField& field, const std::string& expe
   return texts;
 }
 
-OptionValue valueOf(const OptionEntry& entry, const JsonField& field) {
-  const OptionForm form = entry.kind.form;
+OptionValue valueOf(const OptionKind& kind, const JsonField& field) {
+  const OptionForm form = kind.form;
   const size_t count = numbersOf(form);
   switch (form) {
     case OptionForm::kFlag:
@@ -185,12 +134,17 @@ OptionValue valueOf(const OptionEntry& entry, const JsonField& field) {
     case OptionForm::kSeconds:
       return field.number();
     case OptionForm::kWord:
-      return std::string(entry.kind.words[wordOf(field, entry.kind.words)]);
+      return std::string(kind.words[wordOf(field, kind.words)]);
     case OptionForm::kText:
       return field.text();
+    case OptionForm::kChannel:
+      if (field.isNumber()) return field.whole();
+      [[fallthrough]];
     case OptionForm::kFile:
+    case OptionForm::kName:
       return nameOf(field);
     case OptionForm::kVoxel:
+    case OptionForm::kDims:
     case OptionForm::kBox:
       return listOf<int64_t>(field, count);
     case OptionForm::kColor:
@@ -200,6 +154,7 @@ OptionValue valueOf(const OptionEntry& entry, const JsonField& field) {
     case OptionForm::kAngles:
     case OptionForm::kPlace:
     case OptionForm::kDirection:
+    case OptionForm::kSpacing:
       return listOf<double>(field, count);
     case OptionForm::kChannels:
       return textsOf(field, "a look of a channel, such as 0:green,400:3000,0.1",
@@ -222,6 +177,31 @@ OptionValue valueOf(const OptionEntry& entry, const JsonField& field) {
   return lists;
 }
 
+[[noreturn]] void failFault(const std::string& where, const std::string& place,
+                            const ViewFault& fault) {
+  fail("{}: expected {} at {}{}, found {}", where, fault.expected, place, fault.field, fault.found);
+}
+
+ViewedVolume volumeOf(const JsonField& field, const std::string& where) {
+  std::vector<std::string_view> keys{"paths"};
+  for (const VolumeEntry& entry : volumeTable()) keys.emplace_back(entry.key);
+  field.allowOnly(keys);
+  ViewedVolume volume;
+  const JsonField paths = field.require("paths");
+  if (!paths.isArray() || paths.size() == 0) paths.failExpected("a list of files");
+  for (size_t i = 0; i < paths.size(); ++i) volume.paths.push_back(nameOf(paths[i]));
+  for (const VolumeEntry& entry : volumeTable())
+    if (const auto f = field.find(entry.key)) {
+      const OptionValue value = valueOf(entry.kind, *f);
+      if (const auto fault = faultOf(entry.kind, value, std::string("/") + entry.key))
+        failFault(where, "/volume", *fault);
+      entry.set(volume.options, value);
+    }
+  if (volume.options.time_steps && !volume.options.dims)
+    field.require("time_steps").failExpected("\"dims\", too, because both are of a raw volume,");
+  return volume;
+}
+
 constexpr std::array kParts{"camera", "look"};
 
 // Adds the names of a part's options.
@@ -238,7 +218,7 @@ json stateJson(const ViewState& state) {
     if (!value) continue;
     json& part =
         entry.part == OptionPart::kTop ? made : made[kParts[static_cast<size_t>(entry.part)]];
-    part[entry.key] = jsonOf(entry, *value);
+    part[entry.key] = jsonOf(entry.kind.form, *value);
   }
   return made;
 }
@@ -246,7 +226,7 @@ json stateJson(const ViewState& state) {
 void readPart(const JsonField& field, OptionPart part, ViewState& state) {
   for (const OptionEntry& entry : optionTable())
     if (entry.part == part)
-      if (const auto f = field.find(entry.key)) entry.set(state, valueOf(entry, *f));
+      if (const auto f = field.find(entry.key)) entry.set(state, valueOf(entry.kind, *f));
 }
 
 // `place`: of the object in the document, as a JSON pointer.
@@ -264,9 +244,7 @@ ViewState stateOf(const JsonField& root, const std::string& where, const std::st
       field->failExpected("eye and target together");
   }
   readPart(root, OptionPart::kTop, state);
-  if (const std::optional<ViewFault> fault = faultOf(state))
-    fail("{}: expected {} at {}{}, found {}", where, fault->expected, place, fault->field,
-         fault->found);
+  if (const std::optional<ViewFault> fault = faultOf(state)) failFault(where, place, *fault);
   return state;
 }
 
@@ -343,7 +321,7 @@ StateFile parseState(std::string_view text, const std::string& where) {
   known.emplace_back("path");
   root.allowOnly(known);
   StateFile file;
-  if (const auto f = root.find("volume")) file.volume = volumeOf(*f);
+  if (const auto f = root.find("volume")) file.volume = volumeOf(*f, where);
   file.state = stateOf(root, where, {});
   if (const auto f = root.find("path")) file.path = pathOf(*f, where);
   return file;

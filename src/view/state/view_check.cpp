@@ -56,57 +56,52 @@ constexpr const char* kExpectedLook =
 // The check of one option's values.
 class Check {
  public:
-  Check(const OptionEntry& entry, Findings& findings)
-      : entry_(entry),
-        findings_(findings),
-        field_(entry.part == OptionPart::kCamera ? "/camera/"
-               : entry.part == OptionPart::kLook ? "/look/"
-                                                 : "/") {
-    field_ += entry.key;
-  }
+  Check(const OptionKind& kind, std::string field, Findings& findings)
+      : kind_(kind), findings_(findings), field_(std::move(field)) {}
 
   void operator()(const auto& number)
       const requires std::is_arithmetic_v<std::remove_cvref_t<decltype(number)>> {
-    within(field_, entry_.kind.limits, number, entry_.kind.noun);
+    within(field_, kind_.limits, number, kind_.noun);
   }
   void operator()(const std::string& /*text*/) const {}
   void operator()(const OptionReals& n) const {
-    if (entry_.kind.form == OptionForm::kRange)
+    if (kind_.form == OptionForm::kRange)
       return require(std::isfinite(n[0]) && std::isfinite(n[1]) && n[0] != n[1], field_,
                      "two different finite numbers", n);
-    if (entry_.kind.form == OptionForm::kColor || entry_.kind.form == OptionForm::kAngles)
+    if (kind_.form == OptionForm::kColor || kind_.form == OptionForm::kAngles ||
+        kind_.form == OptionForm::kSpacing)
       return eachWithin(n);
     triple(field_, n);
   }
   void operator()(const OptionWholes& n) const {
-    if (entry_.kind.form != OptionForm::kBox) return eachWithin(n);
+    if (kind_.form != OptionForm::kBox) return eachWithin(n);
     for (size_t a = 0; a < 3; ++a)
       require(n[a] >= 0 && n[a] <= kMostVoxels && n[a + 3] >= n[a] + 2 && n[a + 3] <= kMostVoxels,
               field_, "voxels from 0 to 2^40, each upper one at least 2 above the lower",
               fmt::format("[{}, {}, {}] to [{}, {}, {}]", n[0], n[1], n[2], n[3], n[4], n[5]));
   }
   void operator()(const std::vector<std::string>& looks) const {
-    if (entry_.kind.form == OptionForm::kSurfaces) return surfaces(looks);
-    if (entry_.kind.form == OptionForm::kLabels) return labels(looks);
+    if (kind_.form == OptionForm::kSurfaces) return surfaces(looks);
+    if (kind_.form == OptionForm::kLabels) return labels(looks);
     require(looks.size() <= kMostChannels, field_,
             fmt::format("looks of at most {} channels", kMostChannels), looks.size());
     for (const std::string& look : looks)
       require(parseChannelLook(look).has_value(), field_, kExpectedLook, look);
   }
   void operator()(const std::vector<OptionReals>& lists) const {
-    if (entry_.kind.form == OptionForm::kPlanes)
+    if (kind_.form == OptionForm::kPlanes)
       require(lists.size() <= kMostPlanes, field_, fmt::format("at most {} planes", kMostPlanes),
               lists.size());
     for (size_t i = 0; i < lists.size(); ++i) {
       const std::string field = fmt::format("{}/{}", field_, i);
       const OptionReals& n = lists[i];
-      if (entry_.kind.form == OptionForm::kPoints) {
+      if (kind_.form == OptionForm::kPoints) {
         within(field + "/0", {}, n[0]);
         within(field + "/1", {0, 1}, n[1]);
         require(i == 0 || n[0] >= lists[i - 1][0], field, "values that ascend", n[0]);
       } else {
         triple(field, {n[0], n[1], n[2]});
-        within(field + "/3", entry_.kind.limits, n[3]);
+        within(field + "/3", kind_.limits, n[3]);
       }
     }
   }
@@ -134,14 +129,14 @@ class Check {
   }
   void eachWithin(const auto& numbers) const {
     for (size_t i = 0; i < numbers.size(); ++i)
-      within(fmt::format("{}/{}", field_, i), entry_.kind.limits, numbers[i], entry_.kind.noun);
+      within(fmt::format("{}/{}", field_, i), kind_.limits, numbers[i], kind_.noun);
   }
   void triple(const std::string& field, const OptionReals& n) const {
-    require(std::all_of(n.begin(), n.end(), [&](double x) { return entry_.kind.limits.holds(x); }),
-            field, expectedOf(entry_.kind.limits, "three numbers"), n);
+    require(std::all_of(n.begin(), n.end(), [&](double x) { return kind_.limits.holds(x); }), field,
+            expectedOf(kind_.limits, "three numbers"), n);
   }
 
-  const OptionEntry& entry_;
+  const OptionKind& kind_;
   Findings& findings_;
   std::string field_;
 };
@@ -168,18 +163,22 @@ void checkPlanes(Findings& findings, const std::vector<PictureOptions::Plane>& p
 
 }  // namespace
 
-std::optional<ViewFault> faultOf(const OptionEntry& entry, const OptionValue& value) {
+std::optional<ViewFault> faultOf(const OptionKind& kind, const OptionValue& value,
+                                 const std::string& field) {
   Findings findings;
-  std::visit(Check(entry, findings), value);
+  std::visit(Check(kind, field, findings), value);
   return findings.first();
 }
 
 std::optional<ViewFault> faultOf(const ViewState& state) {
   Findings findings;
-  for (const OptionPart part : {OptionPart::kCamera, OptionPart::kLook, OptionPart::kTop}) {
+  for (const auto& [part, place] : {std::pair(OptionPart::kCamera, "/camera/"),
+                                    {OptionPart::kLook, "/look/"},
+                                    {OptionPart::kTop, "/"}}) {
     for (const OptionEntry& entry : optionTable())
       if (entry.part == part)
-        if (const auto value = entry.get(state)) std::visit(Check(entry, findings), *value);
+        if (const auto value = entry.get(state))
+          std::visit(Check(entry.kind, std::string(place) + entry.key, findings), *value);
     if (part == OptionPart::kCamera) checkCamera(findings, state.view);
   }
   checkPlanes(findings, state.clip_planes);

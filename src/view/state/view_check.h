@@ -20,8 +20,10 @@ struct ViewFault {
   std::string expected, found;
 };
 
-// The first number of one option that its kind does not take. nullopt: there is none.
-std::optional<ViewFault> faultOf(const OptionEntry& entry, const OptionValue& value);
+// The first number of an option that its kind does not take. nullopt: there is none. `field`: the
+// option's place.
+std::optional<ViewFault> faultOf(const OptionKind& kind, const OptionValue& value,
+                                 const std::string& field = {});
 // The first number that is wrong whatever the volume is: not finite, beyond the limits of the
 // options of the same names, a camera without a direction. nullopt: there is none.
 std::optional<ViewFault> faultOf(const ViewState& state);
