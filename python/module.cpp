@@ -54,16 +54,7 @@ py::dict bucketAccess(const py::function& variable) {
 VolumeOptions volumeOptions(const py::dict& keywords) {
   VolumeOptions options;
   const auto take = [&](const char* keyword, auto& held) { takeKeyword(keywords, keyword, held); };
-  take("dims", options.dims);
-  take("type", options.type);
-  take("big_endian", options.big_endian);
-  take("skip", options.skip_bytes);
-  take("time_steps", options.time_steps);
-  take("spacing", options.spacing);
-  take("grid", options.grid);
-  take("channel", options.channel);
-  take("channel_name", options.channel_name);
-  take("over", options.over);
+  takeVolumeKeywords(keywords, options);
   take("whole_series", options.whole_series);
   take("opens_soon", options.opens_soon);
   take("time", options.time);
@@ -221,6 +212,7 @@ PYBIND11_MODULE(_sluice, module) {
   module.def("open_function", &openFunction);
   module.def("keywords", &pictureKeywords);
   module.def("keyword_types", &pictureKeywordTypes);
+  module.def("volume_keyword_types", &volumeKeywordTypes);
   module.def("simulate", [](SimulationRequest request) {
     return run([&](const std::stop_token&) { return simulatedRows(request); });
   });

@@ -22,8 +22,8 @@ std::string keywordOf(std::string_view option) {
   std::replace(keyword.begin(), keyword.end(), '-', '_');
   return keyword;
 }
-std::string keywordOf(const OptionEntry& entry) {
-  return keywordOf(entry.option);
+std::string keywordOf(const auto& entry) {
+  return keywordOf(entry.option.empty() ? entry.key : entry.option);
 }
 
 std::string printed(const py::handle& value) {
@@ -198,6 +198,15 @@ OptionValue valueOf(const auto& entry, const std::string& keyword, const py::han
   failType(keyword, "a value", value);
 }
 
+template <class Subject>
+void take(const EntryOf<Subject>& entry, const py::handle& value, Subject& subject) {
+  const std::string keyword = keywordOf(entry);
+  const OptionValue taken_value = valueOf(entry, keyword, value);
+  if (const auto fault = faultOf(entry.kind, taken_value))
+    failValue(keyword, fault->expected, fault->found);
+  entry.set(subject, taken_value);
+}
+
 // The type of an option's values for type checkers, in the words of __init__.pyi.
 std::string typeOf(const auto& entry) {
   switch (entry.kind.form) {
@@ -346,16 +355,27 @@ AskedPicture askedPicture(const py::kwargs& keywords, const VolumeInfo& volume) 
       own->second.set(state, value);
       continue;
     }
-    const OptionValue taken_value = valueOf(*entry, keyword, value);
-    if (const auto fault = faultOf(entry->kind, taken_value))
-      failValue(keyword, fault->expected, fault->found);
-    entry->set(state, taken_value);
+    take(*entry, value, state);
   }
   requirePairs(keywords);
   modulate(keywords, state.look);
   requireNoFault(faultOf(state));
   requireNoFault(faultOf(state, volume));
   return {state, state.look, state.background};
+}
+
+void takeVolumeKeywords(const py::dict& keywords, VolumeOptions& options) {
+  for (const VolumeEntry& entry : volumeTable())
+    if (const std::string keyword = keywordOf(entry); keywords.contains(keyword))
+      if (const py::object value = keywords[keyword.c_str()]; !value.is_none())
+        take(entry, value, options);
+}
+
+std::vector<KeywordType> volumeKeywordTypes() {
+  std::vector<KeywordType> types;
+  for (const VolumeEntry& entry : volumeTable())
+    types.emplace_back(keywordOf(entry), typeOf(entry));
+  return types;
 }
 
 std::vector<KeywordType> pictureKeywordTypes() {

@@ -154,15 +154,15 @@ def _certificates():
                 certificate_folder=_os.environ.get('SSL_CERT_DIR', ''))
 
 
-def open(path, *, dims=None, type=None, endian=None, skip=None, time_steps=None, spacing=None, grid=None,
-         channel=None, over=None, time=0, whole_series=True, opens_soon=False, index_dir=None, levels=None, cache=None,
-         cache_dir=None, block=None, page=None, memory=None, threads=None, progress=None):
+def open(path, *, time=0, whole_series=True, opens_soon=False, index_dir=None, levels=None, cache=None, cache_dir=None,
+         block=None, page=None, memory=None, threads=None, progress=None, **options):
     """Opens a volume and returns a Volume.
 
     `path` is what `sluice render` takes: a file, a folder, a pattern such as 'step_%03d.nrrd', an
     address, or 'synth:phantom'; or a list of them, each a slice or a time step. `dims` (x, y, z),
     `type` ('u8', 'i16', 'f32', ...), `endian` ('little' or 'big'), `skip` (bytes before the first
-    voxel) and `time_steps` are for raw files. `channel` is a number or a name,
+    voxel) and `time_steps` are for raw files. `spacing` (x, y, z) replaces the
+    file's. `grid` names a grid of OpenVDB or a series of DICOM. `channel` is a number or a name,
     or a list of them that pictures show together, as they do the active channels of an OME file.
     `over` names the file or address of a second volume, which pictures show at its own place in the
     world: labels over a scan, for example.
@@ -185,25 +185,23 @@ def open(path, *, dims=None, type=None, endian=None, skip=None, time_steps=None,
         >>> volume.dims, volume.dtype
         ((20, 16, 12), dtype('uint8'))
     """
-    if endian not in (None, 'little', 'big'):
-        raise ValueError(f"endian: expected 'little' or 'big', found {endian!r}")
+    known = [keyword for keyword, _ in _sluice.volume_keyword_types()]
+    for keyword in options:
+        if keyword not in known:
+            raise TypeError(f"unexpected keyword '{keyword}'; there are: {', '.join(known)}")
     if not isinstance(path, (str, _os.PathLike, list, tuple)):
         raise TypeError(f'path: expected a name or a list of names, found {path!r}')
     paths = [path] if isinstance(path, (str, _os.PathLike)) else list(path)
-    options = dict(dims=dims, type=type, big_endian=endian == 'big', skip=skip, time_steps=time_steps,
-                   spacing=spacing, grid=grid, whole_series=whole_series, opens_soon=opens_soon, time=time,
-                   index_dir=_index_folder(index_dir), levels=levels, block=block, page=page, memory=_bytes(memory),
-                   threads=threads)
+    options.update(whole_series=whole_series, opens_soon=opens_soon, time=time, index_dir=_index_folder(index_dir),
+                   levels=levels, block=block, page=page, memory=_bytes(memory), threads=threads)
     options.update(_cache(cache, cache_dir), **_certificates())
-    if over is not None:
-        options['over'] = _path('over', over)
-    if any(str(each).startswith('s3://') for each in [*paths, over]):
+    if any(str(each).startswith('s3://') for each in [*paths, options.get('over')]):
         options.update(_sluice.bucket_access(_os.environ.get))
+    channel = options.get('channel')
     if isinstance(channel, (list, tuple)):
         if not channel:
             raise ValueError('channel: expected one or more channels, found none')
-        channel = ','.join(map(str, channel)) if len(channel) > 1 else channel[0]
-    options['channel_name' if isinstance(channel, str) else 'channel'] = channel
+        options['channel'] = ','.join(map(str, channel)) if len(channel) > 1 else channel[0]
     return Volume(_sluice.open_files([_path('path', each) for each in paths], options, progress))
 
 

@@ -17,20 +17,12 @@ class Error(RuntimeError):
 class Cancelled(RuntimeError): ...
 
 # The build fills in the keywords that the module takes (python/write_stubs.py).
+class VolumeOptions(TypedDict, total=False): ...
 class PictureOptions(TypedDict, total=False): ...
 
 def open(
     path: _Path | Iterable[_Path],
     *,
-    dims: Sequence[int] | None = ...,
-    type: str | None = ...,
-    endian: Literal['little', 'big'] | None = ...,
-    skip: int | None = ...,
-    time_steps: int | None = ...,
-    spacing: _Triple | None = ...,
-    grid: str | None = ...,
-    channel: int | str | Sequence[int | str] | None = ...,
-    over: _Path | None = ...,
     time: int = ...,
     whole_series: bool = ...,
     opens_soon: bool = ...,
@@ -43,6 +35,7 @@ def open(
     memory: int | str | None = ...,
     threads: int | None = ...,
     progress: _Progress | None = ...,
+    **options: Unpack[VolumeOptions],
 ) -> Volume: ...
 def from_array(
     array: Any,

@@ -521,7 +521,12 @@ class Requests(unittest.TestCase):
         for options, error, words in [
                 (dict(block=17), sluice.Error, '^block 17: '), (dict(block='x'), TypeError, '^block: .*whole number'),
                 (dict(page=(1, 2)), TypeError, '^page: expected three whole numbers'),
-                (dict(dims='x'), TypeError, '^dims: '), (dict(spacing=2), TypeError, '^spacing: expected three numbers'),
+                (dict(dims='x'), TypeError, '^dims: '), (dict(spacing=2), TypeError, '^spacing: expected 3 numbers'),
+                (dict(dims=(4, 0, 1)), ValueError, '^dims: expected a whole number from 1 .*, found 0$'),
+                (dict(type='u9'), ValueError, "^type: expected one of 'u8', .*, found 'u9'$"),
+                (dict(endian='middle'), ValueError, "^endian: expected one of 'little', 'big', found 'middle'$"),
+                (dict(channel=-1), ValueError, '^channel: .*, found -1$'), (dict(channel=1.5), TypeError, '^channel: '),
+                (dict(over=4), TypeError, '^over: expected a name'), (dict(wheels=4), TypeError, "^unexpected keyword 'wheels'"),
                 (dict(grid=4), TypeError, '^grid: '), (dict(opens_soon='x'), TypeError, '^opens_soon: ')]:
             with self.subTest(options), self.assertRaisesRegex(error, words):
                 sluice.open('synth:cube,dims=20x16x12', **options)
@@ -592,12 +597,15 @@ class Requests(unittest.TestCase):
     def test_have_every_keyword_in_the_docstring(self):
         words = set(sluice.Renderer.render.__doc__.replace(',', ' ').replace('.', ' ').split())
         self.assertLessEqual(set(sluice._sluice.keywords()), words)
+        for keyword, _ in sluice._sluice.volume_keyword_types():
+            self.assertIn(f'`{keyword}`', sluice.open.__doc__)
 
     def test_have_every_keyword_in_the_stubs(self):
         stubs = ast.parse((pathlib.Path(PACKAGE) / 'sluice/__init__.pyi').read_text())
-        options = next(node for node in stubs.body if getattr(node, 'name', '') == 'PictureOptions')
-        named = {field.target.id for field in options.body} | {'depth'}
-        self.assertEqual(named, set(sluice._sluice.keywords()))
+        for name, keywords in [('PictureOptions', set(sluice._sluice.keywords()) - {'depth'}),
+                               ('VolumeOptions', {keyword for keyword, _ in sluice._sluice.volume_keyword_types()})]:
+            options = next(node for node in stubs.body if getattr(node, 'name', '') == name)
+            self.assertEqual({field.target.id for field in options.body}, keywords)
 
     def test_tell_progress(self):
         told = []
