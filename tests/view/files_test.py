@@ -191,5 +191,17 @@ def recent_and_drops(folder):
         window.end()
 
 
+def not_as_the_file_says(folder):
+    """A volume that its path alone would open in another way is not kept in the list."""
+    synth(pathlib.Path(folder, 'a.nrrd'))
+    with Display() as display, Window(display, PROGRAM, ['a.nrrd', '--spacing', '1,1,3', '--size', '640x700', '--device', 'cpu'], folder) as window:
+        window.wait('opened')
+        window.whole(0)
+        window.end()
+    settings = pathlib.Path(folder, 'config/sluice/view.json')
+    recent = json.loads(settings.read_text(encoding='utf-8'))['recent'] if settings.exists() else []
+    assert recent == [], recent
+
+
 if __name__ == '__main__':
-    window_driver.run(dialog, unreadable, slow_folder, recent_and_drops)
+    window_driver.run(dialog, unreadable, slow_folder, recent_and_drops, not_as_the_file_says)

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <system_error>
 
+#include "src/options/option_words.h"
 #include "src/view/window/window_state.h"
 
 namespace sluice {
@@ -28,14 +29,11 @@ void keepSettings(WindowState& window) {
     window.desk.saveText(window.request.settings_file, settingsText(window.settings), {});
 }
 
-// Volumes of several files, and files whose names do not describe them fully, are not kept, since
-// one path does not open them again.
+// Volumes of several files, and those with options of their own, are not kept, since one path does
+// not open them again.
 void keepRecent(WindowState& window) {
   const ViewedVolume& volume = window.volume.news->volume;
-  const VolumeOptions& said = volume.options;
-  if (volume.paths.size() != 1 || said.dims || !said.type.empty() || !said.grid.empty() ||
-      said.channel || !said.channel_name.empty() || !said.over.empty())
-    return;
+  if (volume.paths.size() != 1 || !volumeWords(volume.options).empty()) return;
   std::string recent = volume.paths.front();
   std::error_code unknown;
   if (!recent.starts_with("synth:")) {
