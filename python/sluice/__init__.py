@@ -161,8 +161,8 @@ def open(path, *, time=0, whole_series=True, opens_soon=False, index_dir=None, l
     `path` is what `sluice render` takes: a file, a folder, a pattern such as 'step_%03d.nrrd', an
     address, or 'synth:phantom'; or a list of them, each a slice or a time step. `dims` (x, y, z),
     `type` ('u8', 'i16', 'f32', ...), `endian` ('little' or 'big'), `skip` (bytes before the first
-    voxel) and `time_steps` are for raw files. `spacing` (x, y, z) replaces the
-    file's. `grid` names a grid of OpenVDB or a series of DICOM. `channel` is a number or a name,
+    voxel) and `time_steps` are for raw files. `spacing` (x, y, z) replaces the file's. `grid` names
+    a grid of OpenVDB or a series of DICOM. `channel` is a number or a name,
     or a list of them that pictures show together, as they do the active channels of an OME file.
     `over` names the file or address of a second volume, which pictures show at its own place in the
     world: labels over a scan, for example.
