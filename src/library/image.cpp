@@ -11,8 +11,8 @@ Rgba8Picture shown(const Image& image, const std::optional<std::array<float, 3>>
   if (image.width < 1 || image.height < 1 || image.rgba.size() != width * height * 4)
     failRequest("an image of {} x {} pixels with {} values in rgba: must be 4 a pixel", image.width,
                 image.height, image.rgba.size());
-  const Picture picture{image.width, image.height, image.rgba, {}};
-  return toRgba8(background ? over(picture, *background) : picture);
+  return {image.width, image.height,
+          background ? rgba8Over(image.rgba, *background) : rgba8(image.rgba)};
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace sluice {
@@ -24,6 +25,11 @@ struct Rgba8Picture {
 // Divides by alpha, clamps to 0..1 (not-a-number becomes 0) and rounds to the nearest of 256. The
 // color is 0 if alpha is 0.
 Rgba8Picture toRgba8(const Picture& picture);
+
+// The same bytes for packed pixels: straight alpha, or over an opaque background, as
+// toRgba8(over(picture, background_rgb)) gives them, without a copy of the picture.
+std::vector<uint8_t> rgba8(std::span<const float> rgba);
+std::vector<uint8_t> rgba8Over(std::span<const float> rgba, std::array<float, 3> background_rgb);
 
 // The same picture in linear light: the transfer function of sRGB (IEC 61966-2-1) is undone on the
 // colours, which are then premultiplied again. Alpha and depth are kept.
