@@ -46,9 +46,10 @@ def drag(folder):
             until = due + float(seconds)
             while due < until:
                 at = len(sent) % (2 * way)
+                # The window may see the event before flush() returns.
+                sent.append(time.monotonic())
                 hand.move(start[0] + (at if at < way else 2 * way - at), start[1])
                 hand.flush()
-                sent.append(time.monotonic())
                 due += 1 / 60
                 time.sleep(max(0, due - time.monotonic()))
             released, mark = time.monotonic(), window.mark()
