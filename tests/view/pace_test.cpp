@@ -10,7 +10,8 @@ constexpr double kPixels = 800 * 600;
 // A machine that draws a pixel in `pixel_s` and needs `fixed_s` in addition.
 Pace after(int frames, double pixel_s, double fixed_s) {
   Pace pace;
-  for (int i = 0; i < frames; ++i) pace = learned(pace, {kPixels, 1, pixel_s * kPixels, fixed_s});
+  for (int i = 0; i < frames; ++i)
+    pace = learned(pace, {kPixels, 1, pixel_s * kPixels, 0, fixed_s});
   return pace;
 }
 
@@ -40,8 +41,8 @@ TEST(Pace, beginsSmallWhereNothingIsKnown) {
 
 TEST(Pace, slowerFramesCountSooner) {
   const Pace pace = after(20, 1e-7, 0);
-  const Pace slower = learned(pace, {kPixels, 1, 2e-7 * kPixels, 0});
-  const Pace faster = learned(pace, {kPixels, 1, 0.5e-7 * kPixels, 0});
+  const Pace slower = learned(pace, {kPixels, 1, 2e-7 * kPixels, 0, 0});
+  const Pace faster = learned(pace, {kPixels, 1, 0.5e-7 * kPixels, 0, 0});
   EXPECT_GT(slower.pixel_s - pace.pixel_s, 2 * (pace.pixel_s - faster.pixel_s));
 }
 
@@ -49,6 +50,22 @@ TEST(Pace, aLongerStepTakesLess) {
   const Pace pace = after(3, 1e-7, 0);
   EXPECT_NEAR(expectedSeconds(pace, {1, 2}, kPixels, 1),
               expectedSeconds(pace, {1, 1}, kPixels, 1) / 2, 1e-12);
+}
+
+TEST(Pace, bytesTakeTheSameTimeAtAnyStep) {
+  Pace pace;
+  pace = learned(pace, {.pixels = kPixels, .step_vox = 2, .draw_s = 0.001, .bytes_s = 0.010});
+  EXPECT_NEAR(expectedSeconds(pace, {1, 1}, kPixels, 2), 0.011, 1e-12);
+  EXPECT_NEAR(expectedSeconds(pace, {1, 4}, kPixels, 2), 0.01025, 1e-12);
+  EXPECT_NEAR(expectedSeconds(pace, {0.5, 1}, kPixels, 2), 0.00275, 1e-12);
+}
+
+TEST(Pace, aPictureThatIsDrawnAtOnceIsSmallerIfItsBytesTakeLong) {
+  Pace pace;
+  pace = learned(pace, {.pixels = kPixels, .draw_s = 0.004, .bytes_s = 0.025});
+  const Quality quality = qualityWithin(pace, kPixels, 1, 0.016);
+  EXPECT_LT(quality.scale, 1);
+  EXPECT_LE(expectedSeconds(pace, quality, kPixels, 1), 0.016);
 }
 
 TEST(Pace, withLevelsOfResolutionASmallerPictureHasLongerSteps) {
