@@ -3,7 +3,11 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
+#include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <thread>
 
@@ -47,6 +51,18 @@ TEST(DrawingThread, endsWithTheWholePictureThatTheLibraryDraws) {
   EXPECT_GT(lit, 1000U);
   EXPECT_EQ(seen.picture->rgba,
             renderer.draw(pictureOf(wish.state, 96, 80)).toRgba8(std::array{0.0F, 0.0F, 0.0F}));
+}
+
+// The window's thread comes first. Other programs must not: they would keep previews waiting.
+TEST(DrawingThread, drawsOneStepBelowTheWindow) {
+  std::atomic<int> drawing = 0;
+  DrawingOptions options = drawingOptions();
+  options.on_news = [&] { drawing = getpriority(PRIO_PROCESS, static_cast<id_t>(gettid())); };
+  DrawingThread desk(options);
+  Seen seen(desk);
+  const int window = getpriority(PRIO_PROCESS, static_cast<id_t>(gettid()));
+  ASSERT_TRUE(seen.open(kVolume));
+  EXPECT_EQ(drawing, std::min(window + 1, 19));
 }
 
 // A pyramid of another program without an index: the window shows its coarser levels at once.
