@@ -78,9 +78,8 @@ HWY_INLINE Arriving arrivingInSquares(const KernelFrame& frame, const Place& cel
       pairIn<DeviceType::kU16>(square[1].first), pairIn<DeviceType::kU16>(square[1].second)};
   return {all(1.0F), hn::Mul(all(static_cast<float>(1 / kAllLight)), withinRows(open, cell))};
 }
-// Inlined although few frames have a light volume: a call stores and loads all vector registers,
-// which took half of its time.
-HWY_INLINE Arriving arrivingAt(const KernelFrame& frame, const KernelBox& box, V3 at) {
+// The texels of the frame's light around a place in a box's texels.
+HWY_INLINE Place lightPlaceAt(const KernelFrame& frame, const KernelBox& box, const V3& at) {
   const auto& [x, y, z] = box.light_axes;
   const Float3 &scale = box.light_scale, &start = box.light_start;
   const V3 place{hn::MulAdd(along(at, x), all(scale[0]), all(start[0])),
@@ -92,11 +91,21 @@ HWY_INLINE Arriving arrivingAt(const KernelFrame& frame, const KernelBox& box, V
                      {all(hi[0]), all(hi[1]), all(hi[2])},
                      {all(last[0]), all(last[1]), all(last[2])},
                      {all(stride[0]), all(stride[1]), all(stride[2])}};
-  const Place cell = placeAt(texels, clamped(texels, place));
-  if (frame.light_in_squares) return arrivingInSquares(frame, cell);
+  return placeAt(texels, clamped(texels, place));
+}
+// A call of its own: shadows cost more than a call, and inside each kernel it took a tenth of the
+// compiler's time.
+HWY_NOINLINE Arriving arrivingWithKey(const KernelFrame& frame, const KernelBox& box, V3 at) {
+  const Place cell = lightPlaceAt(frame, box, at);
   if (!frame.key_light_varies) return arrivingIn<false, true>(frame, cell);
   if (!frame.other_light_varies) return arrivingIn<true, false>(frame, cell);
   return arrivingIn<true, true>(frame, cell);
+}
+// The light that looks around is no call: storing and loading all vector registers took half of its
+// time.
+HWY_INLINE Arriving arrivingAt(const KernelFrame& frame, const KernelBox& box, const V3& at) {
+  return frame.light_in_squares ? arrivingInSquares(frame, lightPlaceAt(frame, box, at))
+                                : arrivingWithKey(frame, box, at);
 }
 
 // Applies lighting.h with this `flat` at a place in texels; `color` is premultiplied. kRough: the
