@@ -84,7 +84,11 @@ std::string wordOf(const auto& entry, const std::string& keyword, const py::hand
 template <class List>
 List listOf(const auto& entry, const std::string& keyword, const py::handle& value) {
   const size_t count = numbersOf(entry.kind.form);
-  const std::string expected = fmt::format("{} numbers ({})", count, entry.value);
+  constexpr bool kWhole = std::is_same_v<List, OptionWholes>;
+  // A command line may add the number of time steps, which is another keyword here.
+  const std::string_view form = entry.value.substr(0, entry.value.find('['));
+  const std::string expected =
+      fmt::format("{}{} numbers ({})", count, kWhole ? " whole" : "", form);
   auto list = taken<List>(keyword, expected, value);
   if (list.size() != count) failValue(keyword, expected, printed(value));
   return list;

@@ -14,6 +14,7 @@ Calls may come from any thread, and let other threads run meanwhile. Ctrl-C ends
 second. What goes wrong with a file or a request raises sluice.Error, in one line.
 """
 
+import inspect as _inspect
 import json as _json
 import math as _math
 import operator as _operator
@@ -188,7 +189,9 @@ def open(path, *, time=0, whole_series=True, opens_soon=False, index_dir=None, l
     known = [keyword for keyword, _ in _sluice.volume_keyword_types()]
     for keyword in options:
         if keyword not in known:
-            raise TypeError(f"unexpected keyword '{keyword}'; there are: {', '.join(known)}")
+            named = [each.name for each in _inspect.signature(open).parameters.values()
+                     if each.kind == each.KEYWORD_ONLY]
+            raise TypeError(f"unexpected keyword '{keyword}'; there are: {', '.join(known + named)}")
     if not isinstance(path, (str, _os.PathLike, list, tuple)):
         raise TypeError(f'path: expected a name or a list of names, found {path!r}')
     paths = [path] if isinstance(path, (str, _os.PathLike)) else list(path)

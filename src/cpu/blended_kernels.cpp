@@ -50,8 +50,8 @@ struct Mixture {
   V clear;  // the product of 1 - opacity
 };
 
-// The mixtures of some slices, a bit a slice: those that show something, and those in which more
-// than one channel does. The others' are not set.
+// The mixtures of the slices between two looks. Bit j of `shown` is set if slice j shows something,
+// and bit j of `mixed` if more than one channel shows there. A mixture is set if its slice shows.
 struct Mixtures {
   std::array<Mixture, kSlicesAtOnce> of;
   uint32_t shown = 0, mixed = 0;
@@ -107,7 +107,7 @@ HWY_NOINLINE void addSamples(const ChannelWay& way, const V& k, int first, int l
   const Cells cells = way.cells;
   // All samples are read before the first gets its colour. Whether a sample shows is a branch that
   // the processor often guesses wrong, and it would throw away what it had read ahead.
-  struct Sample {  // that waits for its colour
+  struct Sample {
     M shows;
     V value, square;
   };

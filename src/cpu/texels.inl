@@ -39,7 +39,8 @@ HWY_INLINE V3 clamped(const Cells& cells, const V3& at) {
 
 HWY_INLINE V cellOf(V at, V lo, V last) { return hn::Min(hn::Max(hn::Floor(at), lo), last); }
 
-// Requires: `at` is clamped but for rounding, which leads a little beyond the outer cells.
+// Requires: `at` is clamped but for rounding, which leads a little beyond the outer cells. Lanes
+// whose value is not used may be anywhere: the cell is clamped.
 HWY_INLINE Place placeAt(const Cells& cells, const V3& at) {
   const V x = cellOf(at.x, cells.lo.x, cells.last.x), y = cellOf(at.y, cells.lo.y, cells.last.y),
           z = cellOf(at.z, cells.lo.z, cells.last.z);

@@ -67,7 +67,8 @@ struct OptionKind {
   NumberRange<double> limits = {};
   std::string_view noun = "a number";  // of a value, in the messages of checks
   std::vector<std::string_view> words = {};
-  // The one of the words that another word stands for; nullopt: none. Null: no others are known.
+  // Gives the one of `words` that another word stands for, or nullopt. Null: no other word is
+  // known.
   std::optional<std::string_view> (*meant)(const std::string& word) = nullptr;
   // The flags that stand for the words on a command line; empty: no flag says the word.
   std::vector<std::string_view> flags = {};

@@ -102,7 +102,7 @@ std::vector<VolumeEntry> volumeEntries() {
                  .help = "Zarr, N5, HDF5, VTK, TIFF: channel by its number, from 0 (the first), or "
                          "by its name in the file; pictures show several together (the active ones "
                          "of an OME file, else the first)"}),
-      // Not of commands that read one volume.
+      // Commands that read a single volume have no --over.
       in(&VolumeOptions::over,
          {.key = "over",
           .option = "--over",

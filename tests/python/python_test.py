@@ -521,12 +521,17 @@ class Requests(unittest.TestCase):
         for options, error, words in [
                 (dict(block=17), sluice.Error, '^block 17: '), (dict(block='x'), TypeError, '^block: .*whole number'),
                 (dict(page=(1, 2)), TypeError, '^page: expected three whole numbers'),
-                (dict(dims='x'), TypeError, '^dims: '), (dict(spacing=2), TypeError, '^spacing: expected 3 numbers'),
+                (dict(dims='x'), TypeError, '^dims: '),
+                (dict(dims=(4, 4, 4, 1)), ValueError, r'^dims: expected 3 whole numbers \(X,Y,Z\), found '),
+                (dict(dims=(4.0, 4, 4)), TypeError, r'^dims: expected 3 whole numbers \(X,Y,Z\), found '),
+                (dict(skip=2**60 + 1), ValueError, f'^skip: expected a whole number .* to {2**60}, found '),
+                (dict(spacing=2), TypeError, '^spacing: expected 3 numbers'),
                 (dict(dims=(4, 0, 1)), ValueError, '^dims: expected a whole number from 1 .*, found 0$'),
                 (dict(type='u9'), ValueError, "^type: expected one of 'u8', .*, found 'u9'$"),
                 (dict(endian='middle'), ValueError, "^endian: expected one of 'little', 'big', found 'middle'$"),
                 (dict(channel=-1), ValueError, '^channel: .*, found -1$'), (dict(channel=1.5), TypeError, '^channel: '),
-                (dict(over=4), TypeError, '^over: expected a name'), (dict(wheels=4), TypeError, "^unexpected keyword 'wheels'"),
+                (dict(over=4), TypeError, '^over: expected a name'),
+                (dict(wheels=4), TypeError, "^unexpected keyword 'wheels'; there are: dims, .*, over, time, .*, threads"),
                 (dict(grid=4), TypeError, '^grid: '), (dict(opens_soon='x'), TypeError, '^opens_soon: ')]:
             with self.subTest(options), self.assertRaisesRegex(error, words):
                 sluice.open('synth:cube,dims=20x16x12', **options)

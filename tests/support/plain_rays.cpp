@@ -1,6 +1,7 @@
 #include "tests/support/plain_rays.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "src/device/blue_noise.h"
 

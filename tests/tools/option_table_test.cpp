@@ -160,8 +160,9 @@ TEST(OptionTable, everyOptionOfAVolumeSurvivesASavedViewAndACommandLine) {
     for (int i = 0; i < 20; ++i) {
       ViewedVolume volume{{"a.raw"}, {}};
       volume.options.dims = {4, 5, 6};  // time_steps needs them
-      entry.set(volume.options, values.of(entry.kind));
-      EXPECT_NE(valuesOf(volume.options), valuesOf({}));
+      const OptionValue value = values.of(entry.kind);
+      entry.set(volume.options, value);
+      EXPECT_EQ(entry.get(volume.options), value) << entry.key;
       const std::string text = stateText(volume, {});
       EXPECT_EQ(valuesOf(parseState(text, "here").volume->options), valuesOf(volume.options))
           << text;

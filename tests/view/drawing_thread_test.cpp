@@ -56,12 +56,18 @@ TEST(DrawingThread, endsWithTheWholePictureThatTheLibraryDraws) {
 // The window's thread comes first. Other programs must not: they would keep previews waiting.
 TEST(DrawingThread, drawsOneStepBelowTheWindow) {
   std::atomic<int> drawing = 0;
+  std::atomic<bool> has_told = false;
   DrawingOptions options = drawingOptions();
-  options.on_news = [&] { drawing = getpriority(PRIO_PROCESS, static_cast<id_t>(gettid())); };
+  options.on_news = [&] {
+    drawing = getpriority(PRIO_PROCESS, static_cast<id_t>(gettid()));
+    has_told = true;
+  };
   DrawingThread desk(options);
   Seen seen(desk);
   const int window = getpriority(PRIO_PROCESS, static_cast<id_t>(gettid()));
   ASSERT_TRUE(seen.open(kVolume));
+  // The news can be seen before its thread tells of it.
+  ASSERT_TRUE(seen.until([&] { return has_told.load(); }));
   EXPECT_EQ(drawing, std::min(window + 1, 19));
 }
 

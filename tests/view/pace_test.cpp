@@ -54,7 +54,7 @@ TEST(Pace, aLongerStepTakesLess) {
 
 TEST(Pace, bytesTakeTheSameTimeAtAnyStep) {
   Pace pace;
-  pace = learned(pace, {.pixels = kPixels, .step_vox = 2, .draw_s = 0.001, .bytes_s = 0.010});
+  pace = learned(pace, {.pixels = kPixels, .step_vox = 2, .draw_s = 0.001, .convert_s = 0.010});
   EXPECT_NEAR(expectedSeconds(pace, {1, 1}, kPixels, 2), 0.011, 1e-12);
   EXPECT_NEAR(expectedSeconds(pace, {1, 4}, kPixels, 2), 0.01025, 1e-12);
   EXPECT_NEAR(expectedSeconds(pace, {0.5, 1}, kPixels, 2), 0.00275, 1e-12);
@@ -62,7 +62,7 @@ TEST(Pace, bytesTakeTheSameTimeAtAnyStep) {
 
 TEST(Pace, aPictureThatIsDrawnAtOnceIsSmallerIfItsBytesTakeLong) {
   Pace pace;
-  pace = learned(pace, {.pixels = kPixels, .draw_s = 0.004, .bytes_s = 0.025});
+  pace = learned(pace, {.pixels = kPixels, .draw_s = 0.004, .convert_s = 0.025});
   const Quality quality = qualityWithin(pace, kPixels, 1, 0.016);
   EXPECT_LT(quality.scale, 1);
   EXPECT_LE(expectedSeconds(pace, quality, kPixels, 1), 0.016);

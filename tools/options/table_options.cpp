@@ -73,13 +73,6 @@ std::optional<OptionValue> channelOf(const std::string& word) {
   return parseWhole(word);
 }
 
-NumberRange<int64_t> wholesIn(const NumberRange<double>& range) {
-  NumberRange<int64_t> wholes;
-  if (range.least > -0x1p63) wholes.least = static_cast<int64_t>(range.least);
-  if (range.most < 0x1p63) wholes.most = static_cast<int64_t>(range.most);
-  return wholes;
-}
-
 // The value that a word of the entry's form says, in range or not; nullopt: it is no such word.
 std::optional<OptionValue> readWord(const auto& entry, const std::string& word) {
   switch (entry.kind.form) {

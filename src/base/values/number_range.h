@@ -1,6 +1,7 @@
 // NumberRange: the numbers that an option accepts. A plain value.
 #pragma once
 
+#include <cstdint>
 #include <limits>
 
 namespace sluice {
@@ -17,5 +18,13 @@ struct NumberRange {
     return n <= most && (above_least ? n > least : n >= least);  // false for NaN
   }
 };
+
+// The whole numbers of a range whose ends are whole.
+inline NumberRange<int64_t> wholesIn(const NumberRange<double>& range) {
+  NumberRange<int64_t> wholes;
+  if (range.least > -0x1p63) wholes.least = static_cast<int64_t>(range.least);
+  if (range.most < 0x1p63) wholes.most = static_cast<int64_t>(range.most);
+  return wholes;
+}
 
 }  // namespace sluice

@@ -69,7 +69,7 @@ ShownPicture DrawingJobs::draw(const Job& job, const PictureOptions& picture) {
   Renderer& renderer = *opened_.renderer;
   const auto background = job.wish->wish.state.background.value_or(kPaneColor);
   ShownPicture shown;
-  double bytes_s = 0;
+  double convert_s = 0;
   shown.screen = renderer.drawOnScreen(picture, background, progress(), job.stop);
   if (shown.screen) {
     shown.width = shown.screen->width;
@@ -82,7 +82,7 @@ ShownPicture DrawingJobs::draw(const Job& job, const PictureOptions& picture) {
     shown.missing_share = image.missing_share;
     const Stopwatch watch;
     shown.rgba = image.toRgba8(background);
-    bytes_s = watch.seconds();
+    convert_s = watch.seconds();
   }
   RenderReport report = renderer.report();
   shown.why_empty = std::move(report.why_empty);
@@ -94,8 +94,9 @@ ShownPicture DrawingJobs::draw(const Job& job, const PictureOptions& picture) {
   if (!shown.levels.empty() && report.pages_loaded > 0)
     other_s = std::min(other_s, opened_.pace.fixed_s);
   if (report.missing_share == 0)
-    opened_.pace = learned(opened_.pace, {static_cast<double>(picture.width) * picture.height,
-                                          report.step_vox, report.draw_seconds, bytes_s, other_s});
+    opened_.pace =
+        learned(opened_.pace, {static_cast<double>(picture.width) * picture.height, report.step_vox,
+                               report.draw_seconds, convert_s, other_s});
   return shown;
 }
 

@@ -23,14 +23,14 @@ double mixed(double known, double found) {
 Pace learned(Pace pace, const DrawnFrame& frame) {
   if (frame.pixels > 0 && frame.draw_s > 0) {
     pace.pixel_s = mixed(pace.pixel_s, frame.draw_s * frame.step_vox / frame.pixels);
-    pace.pixel_bytes_s = mixed(pace.pixel_bytes_s, frame.bytes_s / frame.pixels);
+    pace.pixel_convert_s = mixed(pace.pixel_convert_s, frame.convert_s / frame.pixels);
   }
   pace.fixed_s = mixed(pace.fixed_s, frame.other_s);
   return pace;
 }
 
 double expectedSeconds(const Pace& pace, const Quality& quality, double pixels, double step_vox) {
-  const double pixel_s = pace.pixel_s / (step_vox * quality.step_factor) + pace.pixel_bytes_s;
+  const double pixel_s = pace.pixel_s / (step_vox * quality.step_factor) + pace.pixel_convert_s;
   return pace.fixed_s + pixel_s * pixels * quality.scale * quality.scale;
 }
 

@@ -6,8 +6,8 @@ namespace sluice {
 
 // Times of recent frames.
 struct Pace {
-  double pixel_s = 0;        // drawing, a pixel at a step of 1 voxel
-  double pixel_bytes_s = 0;  // turning a drawn pixel into bytes, whatever the step
+  double pixel_s = 0;          // drawing, a pixel at a step of 1 voxel
+  double pixel_convert_s = 0;  // turning a drawn pixel into bytes, whatever the step
   double fixed_s = 0;  // time that does not depend on the picture's size: classes, plans, copies
   bool isKnown() const { return pixel_s > 0; }
 };
@@ -15,9 +15,9 @@ struct Pace {
 struct DrawnFrame {
   double pixels = 1;
   double step_vox = 1;
-  double draw_s = 0;   // drawing alone
-  double bytes_s = 0;  // turning the picture into bytes
-  double other_s = 0;  // the rest
+  double draw_s = 0;     // drawing alone
+  double convert_s = 0;  // turning the picture into bytes
+  double other_s = 0;    // the rest
 };
 // The pace with one more frame. Slower ones count at once, faster ones over a few frames, so that
 // the size does not flicker.

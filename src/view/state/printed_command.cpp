@@ -1,7 +1,6 @@
 #include "src/view/state/printed_command.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "src/base/files/shell_word.h"
 #include "src/options/option_table.h"

@@ -40,9 +40,10 @@ class Findings {
 };
 
 // "degrees from -90 to 90": the numbers of a range, which are called `noun`.
-std::string expectedOf(const NumberRange<double>& range, std::string_view noun) {
+template <class Number>
+std::string expectedOf(const NumberRange<Number>& range, std::string_view noun) {
   const auto& [least, most, above_least] = range;
-  const NumberRange<double> all;
+  const NumberRange<Number> all;
   if (above_least) return fmt::format("{} above {}, up to {}", noun, least, most);
   if (least == all.least) return "a finite number";
   if (most == all.most) return fmt::format("{}, counted from {}", noun, least);
@@ -125,7 +126,10 @@ class Check {
   }
   void within(const std::string& field, const NumberRange<double>& range, const auto& n,
               std::string_view noun = "a number") const {
-    require(range.holds(static_cast<double>(n)), field, expectedOf(range, noun), n);
+    if constexpr (std::is_same_v<std::remove_cvref_t<decltype(n)>, int64_t>)
+      require(wholesIn(range).holds(n), field, expectedOf(wholesIn(range), noun), n);
+    else
+      require(range.holds(static_cast<double>(n)), field, expectedOf(range, noun), n);
   }
   void eachWithin(const auto& numbers) const {
     for (size_t i = 0; i < numbers.size(); ++i)
