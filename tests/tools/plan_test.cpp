@@ -200,5 +200,24 @@ TEST(Plan, refusesWhatRenderRefuses) {
   }
 }
 
+TEST(Plan, saysTheChunksAndPagesThatARenderMoves) {
+  const Program program;
+  const auto plan =
+      program.json(std::string("plan ") + kSmall + " --page 16x16x4 --block 16 --pages 4096");
+  for (const char* algorithm : {"conventional", "clipped", "trimmed", "merged"}) {
+    const CommandResult drawn = program.run(
+        std::string("render ") + kSmall + " --page 16x16x4 --block 16 --pages 4096 -o a.png" +
+        " --size 32 --device gl --report r.json --algorithm " + algorithm);
+    ASSERT_EQ(drawn.status, 0) << drawn.output;
+    const auto frame = nlohmann::json::parse(readFile(program.folder / "r.json"))["frames"][0];
+    EXPECT_EQ(plan["algorithms"][algorithm]["chunks"], frame["chunks"]);
+    EXPECT_EQ(plan["algorithms"][algorithm]["pages"], frame["pages_loaded"]);
+    EXPECT_EQ(plan["algorithms"][algorithm]["bytes"], frame["uploaded_bytes"]);
+    EXPECT_EQ(plan["algorithms"][algorithm]["binds"], frame["binds"]);
+  }
+  EXPECT_GT(plan["clusters"].get<int64_t>(), 0);
+  EXPECT_GE(plan["seconds"].get<double>(), 0);
+}
+
 }  // namespace
 }  // namespace sluice

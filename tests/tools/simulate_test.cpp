@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "tests/tools/program.h"
+#include "tests/tools/skewed_trace.h"
 
 namespace sluice {
 namespace {
@@ -292,18 +293,6 @@ TEST(Simulate, writesItsTableAndAReportThatStandsAlone) {
     }
 }
 
-// Requests of 2000 chunks, some far oftener than others, by a rule that repeats late.
-std::string skewedCsv(int requests) {
-  std::string csv;
-  uint64_t state = 7;
-  for (int i = 0; i < requests; ++i) {
-    state = state * 6364136223846793005u + 1442695040888963407u;
-    const double draw = static_cast<double>(state >> 11) * 0x1p-53;
-    csv += fmt::format("{},{},4096\n", i / 100, static_cast<int>(2000 * draw * draw * draw));
-  }
-  return csv;
-}
-
 TEST(Simulate, severalTracesAreOneTable) {
   const Program program;
   std::ofstream(program.folder / "a.csv") << skewedCsv(3000);
@@ -371,53 +360,6 @@ TEST(Simulate, callsPageRequestsSoEverywhere) {
   EXPECT_DOUBLE_EQ(row["miss_ratio"].get<double>(), 0.6);
 }
 
-TEST(Simulate, curvesAreThoseOfTheRows) {
-  const Program program;
-  std::ofstream(program.folder / "t.csv") << skewedCsv(3000);
-  const auto report = program.json("simulate t.csv --sizes 16,64,200 --policies lru,gdsf");
-  ASSERT_EQ(report["curves"].size(), 3U);
-  const auto& exact = report["curves"][0];
-  EXPECT_EQ(exact["kind"], "exact");
-  EXPECT_EQ(exact["stated_error"], 0);
-  for (const auto& row : report["rows"]) {
-    const size_t which = row["policy"] == "lru" ? 1 : 2;
-    const auto& curve = report["curves"][which];
-    EXPECT_EQ(curve["policy"], row["policy"]);
-    const auto& pages = curve["pages"];
-    const auto at = std::find(pages.begin(), pages.end(), row["pages"]) - pages.begin();
-    EXPECT_EQ(curve["miss_ratio"][static_cast<size_t>(at)], row["miss_ratio"]);
-  }
-}
-
-// The estimate of every tenth chunk against the exact ratios at the same sizes.
-TEST(Simulate, aSampledCurveKeepsWithinItsError) {
-  const Program program;
-  std::ofstream(program.folder / "t.csv") << skewedCsv(60'000);
-  const auto report = program.json("simulate t.csv --sample 0.1");
-  EXPECT_TRUE(report["rows"].empty());
-  ASSERT_EQ(report["curves"].size(), 1U);
-  const auto& sampled = report["curves"][0];
-  EXPECT_EQ(sampled["kind"], "sampled");
-  EXPECT_NEAR(sampled["sampling_rate"].get<double>(), 0.1, 1e-6);
-  EXPECT_NEAR(sampled["sampled_chunks"].get<double>(), 200, 60);
-  const double error = sampled["stated_error"].get<double>();
-  EXPECT_LT(error, 0.2);
-  const auto rows = program.json(
-      "simulate t.csv --policies lru --sizes 50,100,200,400,600,800,1200,1600,1900")["rows"];
-  double off = 0;
-  for (const auto& row : rows) {
-    double ratio = 1;
-    for (size_t i = 0; i < sampled["pages"].size() && sampled["pages"][i] <= row["pages"]; ++i)
-      ratio = sampled["miss_ratio"][i].get<double>();
-    off += std::abs(ratio - row["miss_ratio"].get<double>()) / static_cast<double>(rows.size());
-  }
-  EXPECT_LT(off, error);
-  const std::string table = program.run("simulate t.csv --sample 0.1 --sizes 64").output;
-  EXPECT_NE(table.find("Expected error: at most 0."), std::string::npos) << table;
-  EXPECT_NE(program.run("simulate t.csv --sample 0.00001 2>&1").output.find("took none"),
-            std::string::npos);
-}
-
 TEST(Simulate, compressedTracesGiveTheNumbersOfPlainOnes) {
   const Program program;
   std::ofstream(program.folder / "t.csv") << skewedCsv(3000);
@@ -427,53 +369,6 @@ TEST(Simulate, compressedTracesGiveTheNumbersOfPlainOnes) {
   ASSERT_EQ(runCommand("gzip -c " + plain + " > " + (program.folder / "u.csv").string()).status, 0);
   EXPECT_EQ(program.json("simulate u.csv" + options)["rows"], rows);
   EXPECT_EQ(program.json("simulate u.csv --format csv" + options)["rows"], rows);
-}
-
-TEST(Plan, saysTheChunksAndPagesThatARenderMoves) {
-  const Program program;
-  const auto plan =
-      program.json(std::string("plan ") + kSmall + " --page 16x16x4 --block 16 --pages 4096");
-  for (const char* algorithm : {"conventional", "clipped", "trimmed", "merged"}) {
-    const CommandResult drawn = program.run(
-        std::string("render ") + kSmall + " --page 16x16x4 --block 16 --pages 4096 -o a.png" +
-        " --size 32 --device gl --report r.json --algorithm " + algorithm);
-    ASSERT_EQ(drawn.status, 0) << drawn.output;
-    const auto frame = nlohmann::json::parse(readFile(program.folder / "r.json"))["frames"][0];
-    EXPECT_EQ(plan["algorithms"][algorithm]["chunks"], frame["chunks"]);
-    EXPECT_EQ(plan["algorithms"][algorithm]["pages"], frame["pages_loaded"]);
-    EXPECT_EQ(plan["algorithms"][algorithm]["bytes"], frame["uploaded_bytes"]);
-    EXPECT_EQ(plan["algorithms"][algorithm]["binds"], frame["binds"]);
-  }
-  EXPECT_GT(plan["clusters"].get<int64_t>(), 0);
-  EXPECT_GE(plan["seconds"].get<double>(), 0);
-}
-
-TEST(Bench, printsThePapersTableForEachVolume) {
-  const Program program;
-  const auto report = program.json(
-      "bench algorithms synth:shells,dims=40x40x40@100 synth:slab,dims=40x40x40 "
-      "--threshold 20 --size 32 --frames 1 --page 16x16x4 --block 16 --pages 64");
-  ASSERT_EQ(report["rows"].size(), 2U);
-  for (const auto& row : report["rows"]) {
-    EXPECT_GT(row["empty_percent"].get<double>(), 0);
-    for (const char* key : {"seconds", "chunks", "pages", "binds"})
-      for (const char* algorithm : {"conventional", "clipped", "trimmed", "merged"})
-        EXPECT_GT(row[key][algorithm].get<double>(), 0) << key << algorithm;
-    EXPECT_TRUE(row.contains("saved_percent"));
-    EXPECT_TRUE(row.contains("processing_seconds"));
-  }
-  // A slab of 5 % of the voxels, rounded to planes: 2 of 40.
-  EXPECT_DOUBLE_EQ(report["rows"][1]["empty_percent"].get<double>(), 95);
-}
-
-TEST(Bench, measuresTheLimitAndARender) {
-  const Program program;
-  EXPECT_GT(program.json("bench limit --frames 1")["samples_per_second"].get<double>(), 0);
-  const auto report = program.json(std::string("bench render ") + kSmall + " --size 48 --frames 2");
-  EXPECT_GT(report["frame_seconds"]["median"].get<double>(), 0);
-  EXPECT_GE(report["frame_seconds"]["max"], report["frame_seconds"]["min"]);
-  EXPECT_GT(report["samples_object"].get<double>(), 0);
-  EXPECT_GT(report["share_of_limit"].get<double>(), 0);
 }
 
 }  // namespace

@@ -14,36 +14,10 @@
 
 #include "io/synth/synth_math.h"
 #include "src/base/error.h"
-#include "src/base/values/volume_levels.h"
+#include "tests/io/synth/synth_voxels.h"
 
 namespace sluice {
 namespace {
-
-template <class T>
-std::vector<T> readBox(VolumeSource& source, const Box3& box, int64_t time = 0) {
-  std::vector<T> voxels(static_cast<size_t>(box.count()));
-  source.readRegion(time, box, std::as_writable_bytes(std::span(voxels)));
-  return voxels;
-}
-
-template <class T>
-std::vector<T> readAll(const SynthOptions& options, int64_t time = 0) {
-  return readBox<T>(*openSynth(options), boxOf(options.dims), time);
-}
-
-double shareOf(const std::vector<uint8_t>& voxels) {
-  const auto zeros = std::count(voxels.begin(), voxels.end(), 0);
-  return 1 - static_cast<double>(zeros) / static_cast<double>(voxels.size());
-}
-
-SynthOptions small(SynthKind kind) {
-  SynthOptions options;
-  options.kind = kind;
-  options.dims = {70, 50, 66};
-  options.object_share = 0.2;
-  if (kind == SynthKind::kFlow || kind == SynthKind::kMixing) options.time_steps = 3;
-  return options;
-}
 
 TEST(SynthMath, sineIsTheLibrarysWithinItsBound) {
   for (int i = -4000; i <= 4000; ++i) {
@@ -360,133 +334,6 @@ TEST(SynthSource, occupancyHoldsEveryVoxelThatIsNotZero) {
   const auto voxels = readAll<uint8_t>(options);
   for (int64_t z = 0; z < 66; ++z)
     EXPECT_EQ(voxels[static_cast<size_t>(z * 3500)] != 0, box.contains(Vec3i{0, 0, z})) << z;
-}
-
-TEST(SynthSpec, isTakenBack) {
-  const SynthOptions options = parseSynthSpec(
-      "synth:flow,dims=300x200x100,type=f32,steps=12,seed=9,share=0.125,spacing=1x0.5x2");
-  EXPECT_EQ(options.kind, SynthKind::kFlow);
-  EXPECT_EQ(options.dims, (Vec3i{300, 200, 100}));
-  EXPECT_EQ(options.type, VoxelType::kF32);
-  EXPECT_EQ(options.time_steps, 12);
-  EXPECT_EQ(options.seed, 9U);
-  EXPECT_EQ(options.object_share, 0.125);
-  EXPECT_EQ(options.spacing, (Vec3d{1, 0.5, 2}));
-  EXPECT_EQ(specOf(parseSynthSpec(specOf(options))), specOf(options));
-  EXPECT_EQ(parseSynthSpec("shells").kind, SynthKind::kShells);
-  EXPECT_TRUE(isSynthSpec("synth:cube"));
-  EXPECT_FALSE(isSynthSpec("cube.raw"));
-  for (const SynthKind kind : synthKinds()) {
-    EXPECT_EQ(parseSynthKind(name(kind)), kind);
-    EXPECT_FALSE(descriptionOf(kind).empty());
-  }
-}
-
-TEST(SynthSpec, refusesWhatItCannotMakeInOneLine) {
-  for (const char* spec : {"synth:",
-                           "synth:cone",
-
-                           "cube,dims=1x2",
-                           "cube,dims=1x2x3x4",
-                           "cube,dims=0x1x1",
-                           "cube,dims=-1x1x1",
-                           "cube,dims=9999999999x9999999999x9999999999",
-                           "cube,type=i16",
-                           "parts,type=f32",
-                           "parts,levels=2",
-                           "cube,type=x",
-                           "cube,steps=2",
-                           "flow,steps=0",
-                           "flow,steps=10001",
-                           "slab,share=0",
-                           "slab,share=1.5",
-                           "slab,share=nan",
-                           "sparse,share=0.5",
-                           "cube,seed=-1",
-                           "cube,size=3",
-                           "cube,spacing=0x1x1",
-                           "cube,spacing=1xinfx1",
-                           "cube,dims"}) {
-    try {
-      openSynth(parseSynthSpec(spec));
-      ADD_FAILURE() << spec << " was taken";
-    } catch (const Error& error) {
-      EXPECT_THAT(error.what(), testing::HasSubstr("expected")) << spec;
-      EXPECT_THAT(error.what(), testing::Not(testing::HasSubstr("\n"))) << spec;
-    }
-  }
-}
-
-// --- levels
-
-TEST(SynthSource, levelsAreMeansAndSpreadsOfTheVoxelsBelowRoundedOnce) {
-  for (const VoxelType type : {VoxelType::kU8, VoxelType::kU16, VoxelType::kF32}) {
-    SynthOptions options = small(SynthKind::kNoise);
-    options.type = type;
-    options.dims = {39, 22, 17};
-    options.levels = 3;
-    const auto source = openSynth(options);
-    const auto levels = coarserLevels(*source);
-    ASSERT_EQ(levels.size(), 2U);
-    EXPECT_EQ(source->layout().levels, 3);
-    visitVoxelType(type, [&](auto tag) {
-      using T = decltype(tag);
-      const auto finest = readBox<T>(*source, boxOf(options.dims));
-      for (size_t level = 0; level < 2; ++level) {
-        const int64_t times = level == 0 ? 2 : 4;
-        const Vec3i dims = options.dims / times;
-        const VolumeLayout& layout = levels[level].source->layout();
-        ASSERT_EQ(layout.dims, dims);
-        EXPECT_EQ(layout.spacing, (Vec3d{1, 1, 1} * static_cast<double>(times)));
-        EXPECT_EQ(levels[level].placement.finestFromLevel({1, 0, 0}).x, times + (times - 1) / 2.0);
-        const Box3 part{{1, 2, 0}, dims};
-        const auto voxels = readBox<T>(*levels[level].source, part);
-        ASSERT_NE(levels[level].spreads, nullptr);
-        ASSERT_EQ(levels[level].spreads->layout().type, type);
-        const auto spreads = readBox<T>(*levels[level].spreads, part);
-        size_t at = 0;
-        for (int64_t z = part.lo.z; z < part.hi.z; ++z)
-          for (int64_t y = part.lo.y; y < part.hi.y; ++y)
-            for (int64_t x = part.lo.x; x < part.hi.x; ++x) {
-              const int64_t count = times * times * times;
-              const auto valueAt = [&](int64_t i) {
-                const Vec3i v = Vec3i{x, y, z} * times +
-                                Vec3i{i % times, i / times % times, i / (times * times)};
-                return static_cast<double>(
-                    finest[static_cast<size_t>((v.z * 22 + v.y) * 39 + v.x)]);
-              };
-              double mean = 0, variance = 0;
-              for (int64_t i = 0; i < count; ++i) mean += valueAt(i) / static_cast<double>(count);
-              for (int64_t i = 0; i < count; ++i)
-                variance += std::pow(valueAt(i) - mean, 2) / static_cast<double>(count);
-              const double rounding = type == VoxelType::kF32 ? 1e-6 : 0.5 + 1e-6;
-              ASSERT_NEAR(static_cast<double>(spreads[at]), 2 * std::sqrt(variance), rounding);
-              ASSERT_NEAR(static_cast<double>(voxels[at++]), mean, rounding);
-            }
-      }
-    });
-  }
-}
-
-TEST(SynthSource, levelsLeaveTheVoxelsAndTheirIdentityAlone) {
-  SynthOptions options = small(SynthKind::kPhantom);
-  const auto plain = openSynth(options);
-  EXPECT_TRUE(coarserLevels(*plain).empty());
-  options.levels = 4;
-  const auto leveled = openSynth(options);
-  EXPECT_EQ(leveled->identity(), plain->identity());
-  std::set<std::string> identities{leveled->identity()};
-  for (const CoarserLevel& level : coarserLevels(*leveled))
-    for (const VolumeSource* source : {level.source, level.spreads})
-      EXPECT_TRUE(identities.insert(source->identity()).second);
-  EXPECT_EQ(parseSynthSpec(specOf(options)).levels, 4);
-}
-
-TEST(SynthSource, levelsOfTooFewVoxelsAreRefused) {
-  EXPECT_THAT([] { openSynth(parseSynthSpec("synth:cube,dims=64x64x9,levels=4")); },
-              testing::ThrowsMessage<Error>(testing::HasSubstr("9 voxels have 3 levels")));
-  EXPECT_THROW(parseSynthSpec("synth:cube,levels=0"), Error);
-  EXPECT_THROW(parseSynthSpec("synth:cube,levels=x"), Error);
 }
 
 }  // namespace
