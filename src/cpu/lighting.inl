@@ -93,7 +93,7 @@ HWY_INLINE Place lightPlaceAt(const KernelFrame& frame, const KernelBox& box, co
                      {all(stride[0]), all(stride[1]), all(stride[2])}};
   return placeAt(texels, clamped(texels, place));
 }
-// A call of its own: shadows cost more than a call, and inside each kernel it took a tenth of the
+// A call of its own: shadows cost more than a call, and inside each kernel it took a fifth of the
 // compiler's time.
 HWY_NOINLINE Arriving arrivingWithKey(const KernelFrame& frame, const KernelBox& box, V3 at) {
   const Place cell = lightPlaceAt(frame, box, at);

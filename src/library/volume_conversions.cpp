@@ -63,9 +63,9 @@ void setOpen(VolumeArguments& arguments) {
 VolumeArguments volumeArguments(const std::vector<std::string>& paths,
                                 const VolumeOptions& options) {
   if (paths.empty()) failRequest("a volume of no files: name at least one");
-  if (!options.type.empty()) typeOf(paths.front(), options.type);
   VolumeArguments arguments{.inputs = paths, .time = options.time, .asked = options};
   setOpen(arguments);
+  if (!options.type.empty()) arguments.open.type = typeOf(paths.front(), options.type);
   arguments.open.decode.folder = options.temporary_folder;
   arguments.open.web = webOptions(options.web);
   return arguments;

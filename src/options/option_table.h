@@ -82,6 +82,9 @@ struct OptionKind {
 // kVolume: "volume"; the options of VolumeOptions, and no others.
 enum class OptionPart { kCamera, kLook, kTop, kPicture, kVolume };
 
+// The largest extent of a volume along an axis, in voxels.
+inline constexpr int64_t kMostAlongAxis = int64_t{1} << 40;
+
 // Headings of --help.
 inline constexpr std::string_view kVolumeHeading = "Volume", kViewHeading = "View",
                                   kLookHeading = "Look",

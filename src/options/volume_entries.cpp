@@ -7,8 +7,7 @@ namespace {
 
 using Form = OptionForm;
 
-constexpr double kMostVoxels = 0x1p40, kMostSkipBytes = 0x1p60, kMostSpacing = 1e12,
-                 kMostChannel = 1e6;
+constexpr double kMostSkipBytes = 0x1p60, kMostSpacing = 1e12, kMostChannel = 1e6;
 
 // The short name of a type: "u8" for "uint8".
 std::optional<std::string_view> shortName(const std::string& word) {
@@ -54,7 +53,7 @@ std::vector<VolumeEntry> volumeEntries() {
       inDims({.key = "dims",
               .option = "--dims",
               .heading = kVolumeHeading,
-              .kind = {Form::kDims, {1, kMostVoxels}, "a whole number"},
+              .kind = {Form::kDims, {1, kMostAlongAxis}, "a whole number"},
               .value = "X,Y,Z[,T]",
               .help = "Raw: voxels along each axis, and time steps"}),
       in(&VolumeOptions::type,
@@ -80,7 +79,7 @@ std::vector<VolumeEntry> volumeEntries() {
                                       .value = "BYTES",
                                       .help = "Raw: bytes before the voxels"}),
       in(&VolumeOptions::time_steps,
-         {.key = "time_steps", .kind = {Form::kWhole, {1, kMostVoxels}, "a whole number"}}),
+         {.key = "time_steps", .kind = {Form::kWhole, {1, kMostAlongAxis}, "a whole number"}}),
       in(&VolumeOptions::spacing, {.key = "spacing",
                                    .option = "--spacing",
                                    .heading = kVolumeHeading,

@@ -1,9 +1,6 @@
 // The benches' reports.
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <cmath>
 #include <string>
 
 #include "tests/tools/program.h"

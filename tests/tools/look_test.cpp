@@ -5,9 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
-#include <functional>
 #include <sstream>
-#include <type_traits>
 #include <vector>
 
 #include "io/pictures/exr_file.h"

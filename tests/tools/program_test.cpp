@@ -8,7 +8,6 @@
 #include <optional>
 #include <sstream>
 
-#include "io/pictures/exr_file.h"
 #include "io/pictures/png_file.h"
 #include "tests/tools/program.h"
 

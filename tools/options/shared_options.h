@@ -59,9 +59,6 @@ std::optional<CutOptions> cutOptions(const ResourceArguments& resources, const L
 // Throws Error with this reason if anything but the finest level is asked for.
 void refuseLevels(const std::optional<CutOptions>& asked, std::string_view why);
 
-// The largest extent of a volume along an axis, in voxels.
-inline constexpr double kMostVoxels = 1LL << 40;
-
 // Some of the last group, for commands that take no more.
 inline constexpr int64_t kMostFrames = 100'000;
 void addLevelsOption(const OptionGroup& group, MachineOptions& machine);

@@ -7,6 +7,7 @@
 #include "src/library/conversions.h"
 
 namespace sluice {
+
 ViewedVolume viewedVolume(const VolumeArguments& volume, const ResourceArguments& resources,
                           const std::string& index_folder, bool whole_series) {
   ViewedVolume viewed{volume.inputs, volume.asked};

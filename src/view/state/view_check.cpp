@@ -18,7 +18,6 @@ namespace sluice {
 namespace {
 
 constexpr size_t kMostPlanes = 6;
-constexpr int64_t kMostVoxels = int64_t{1} << 40;  // along an axis, as of --crop
 
 template <class Triple>
 Vec3d vecOf(const Triple& a) {
@@ -77,9 +76,10 @@ class Check {
   void operator()(const OptionWholes& n) const {
     if (kind_.form != OptionForm::kBox) return eachWithin(n);
     for (size_t a = 0; a < 3; ++a)
-      require(n[a] >= 0 && n[a] <= kMostVoxels && n[a + 3] >= n[a] + 2 && n[a + 3] <= kMostVoxels,
-              field_, "voxels from 0 to 2^40, each upper one at least 2 above the lower",
-              fmt::format("[{}, {}, {}] to [{}, {}, {}]", n[0], n[1], n[2], n[3], n[4], n[5]));
+      require(
+          n[a] >= 0 && n[a] <= kMostAlongAxis && n[a + 3] >= n[a] + 2 && n[a + 3] <= kMostAlongAxis,
+          field_, "voxels from 0 to 2^40, each upper one at least 2 above the lower",
+          fmt::format("[{}, {}, {}] to [{}, {}, {}]", n[0], n[1], n[2], n[3], n[4], n[5]));
   }
   void operator()(const std::vector<std::string>& looks) const {
     if (kind_.form == OptionForm::kSurfaces) return surfaces(looks);

@@ -1,9 +1,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <array>
 #include <cmath>
-#include <vector>
+#include <set>
 
 #include "src/base/error.h"
 #include "src/base/values/volume_levels.h"

@@ -8,12 +8,9 @@
 #include <cmath>
 #include <numbers>
 #include <random>
-#include <set>
-#include <string>
 #include <vector>
 
 #include "io/synth/synth_math.h"
-#include "src/base/error.h"
 #include "tests/io/synth/synth_voxels.h"
 
 namespace sluice {
