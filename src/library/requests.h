@@ -19,7 +19,7 @@
 #include "src/base/looks/surface_look.h"
 #include "src/base/threads/stop_token.h"
 #include "src/classify/transfer/transfer_function.h"
-#include "src/library/drawing/device_choice.h"
+#include "src/library/drawing/scene/device_choice.h"
 
 namespace sluice {
 

@@ -10,7 +10,7 @@
 #include "src/base/threads/mutex.h"
 #include "src/base/values/value_counts.h"
 #include "src/library/conversions.h"
-#include "src/library/drawing/resources.h"
+#include "src/library/drawing/scene/resources.h"
 #include "src/library/opening/checked_source.h"
 #include "src/library/opening/opened_volume.h"
 

@@ -93,6 +93,9 @@ PARTS = {
     'src/gl/contexts': 'src/gl',
     'src/gl/shaders': 'src/gl',
     'src/library/drawing': 'src/library',
+    'src/library/drawing/cost': 'src/library',
+    'src/library/drawing/files': 'src/library',
+    'src/library/drawing/scene': 'src/library',
     'src/library/opening': 'src/library',
     'src/visibility/occlusion': 'src/visibility',
     'src/visibility/plenoptic': 'src/visibility',
@@ -126,7 +129,7 @@ LIBRARIES = {
 # One place makes what draws: commands and the public Renderer go through the Scene. Benches measure the parts
 # beneath it, and --verify compares with a second session.
 MAKES_SESSION = re.compile(r'make_unique<Session>|\bSession \w+[({]|makeDevice\(')
-SESSION_MAKERS = ['src/library/drawing/scene.cpp', 'src/library/drawing/device_choice.', 'tools/bench/',
+SESSION_MAKERS = ['src/library/drawing/scene/scene.cpp', 'src/library/drawing/scene/device_choice.', 'tools/bench/',
                   'tools/commands/verification.cpp', 'tests/']
 INCLUDE = re.compile(r'\s*#\s*include\s*([<"])([^>"]+)[>"]')
 
@@ -181,7 +184,7 @@ def check(root):
                 complaints.append(f'{file}:1: no #pragma once')
             for number, line in enumerate(lines, 1):
                 if MAKES_SESSION.search(line) and not file.startswith(tuple(SESSION_MAKERS)):
-                    complaints.append(f'{file}:{number}: draw through src/library/drawing/scene.h, which makes the session')
+                    complaints.append(f'{file}:{number}: draw through src/library/drawing/scene/scene.h, which makes the session')
                 found = INCLUDE.match(line)
                 reason = found and fault(file, found[1], found[2], root)
                 if reason:

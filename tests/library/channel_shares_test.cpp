@@ -1,5 +1,5 @@
 // The errors of channels that share the memory.
-#include "src/library/drawing/channel_shares.h"
+#include "src/library/drawing/scene/channel_shares.h"
 
 #include <gmock/gmock.h>
 

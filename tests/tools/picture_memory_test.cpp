@@ -1,5 +1,5 @@
 // The share of --memory that pictures have, and the strips that they are cut into.
-#include "src/library/drawing/picture_memory.h"
+#include "src/library/drawing/cost/picture_memory.h"
 
 #include <gtest/gtest.h>
 

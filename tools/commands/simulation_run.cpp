@@ -9,7 +9,7 @@
 #include "cache/model/page_geometry.h"
 #include "src/base/error.h"
 #include "src/base/values/bytes.h"
-#include "src/library/drawing/channel_traces.h"
+#include "src/library/drawing/files/channel_traces.h"
 #include "tools/pages/report_file.h"
 
 namespace sluice {

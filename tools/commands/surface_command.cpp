@@ -11,7 +11,7 @@
 #include "src/base/error.h"
 #include "src/base/threads/clock.h"
 #include "src/base/values/bytes.h"
-#include "src/library/drawing/resources.h"
+#include "src/library/drawing/scene/resources.h"
 #include "src/library/volume_surface.h"
 #include "tools/command_line/console.h"
 #include "tools/command_line/interrupt.h"

@@ -8,8 +8,8 @@
 #include <memory>
 #include <utility>
 
-#include "src/library/drawing/added_pictures.h"
-#include "src/library/drawing/shared_world.h"
+#include "src/library/drawing/scene/added_pictures.h"
+#include "src/library/drawing/scene/shared_world.h"
 #include "src/library/opening/shown_channels.h"
 #include "src/library/opening/step_ranges.h"
 #include "src/render/blocks/cut_rules.h"

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "src/library/drawing/channel_shares.h"
+#include "src/library/drawing/scene/channel_shares.h"
 #include "src/library/requests.h"
 #include "src/render/camera/frame_options.h"
 #include "tools/command_line/option_group.h"

@@ -1,6 +1,6 @@
 #include "src/base/error.h"
 #include "src/library/conversions.h"
-#include "src/library/drawing/resources.h"
+#include "src/library/drawing/scene/resources.h"
 #include "src/render/blocks/cut_rules.h"
 #include "tools/options/shared_options.h"
 

@@ -4,7 +4,7 @@
 
 #include <optional>
 
-#include "src/library/drawing/resources.h"
+#include "src/library/drawing/scene/resources.h"
 #include "tools/options/arguments.h"
 
 namespace sluice {

@@ -8,7 +8,7 @@
 #include <optional>
 #include <string_view>
 
-#include "src/library/drawing/resources.h"
+#include "src/library/drawing/scene/resources.h"
 #include "src/render/camera/frame_options.h"
 #include "tools/command_line/option_group.h"
 #include "tools/options/arguments.h"

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "src/classify/blocks/classification.h"
-#include "src/library/drawing/refined_frame.h"
+#include "src/library/drawing/scene/refined_frame.h"
 
 namespace sluice {
 

@@ -6,7 +6,7 @@
 #include <optional>
 #include <string_view>
 
-#include "src/library/drawing/strip_file.h"
+#include "src/library/drawing/files/strip_file.h"
 #include "src/render/camera/frame_options.h"
 #include "tools/outputs/film_file.h"
 #include "tools/scene/open_scene.h"

@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "src/library/drawing/refined_frame.h"
+#include "src/library/drawing/scene/refined_frame.h"
 #include "tools/commands/verification.h"
 #include "tools/options/render_arguments.h"
 #include "tools/outputs/report.h"

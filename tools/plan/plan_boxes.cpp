@@ -6,7 +6,7 @@
 
 #include "src/base/threads/clock.h"
 #include "src/index/box_store.h"
-#include "src/library/drawing/resources.h"
+#include "src/library/drawing/scene/resources.h"
 #include "tools/command_line/console.h"
 #include "tools/command_line/interrupt.h"
 #include "tools/command_line/progress_line.h"

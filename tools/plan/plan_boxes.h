@@ -7,7 +7,7 @@
 
 #include "src/base/threads/worker_pool.h"
 #include "src/index/volume_boxes.h"
-#include "src/library/drawing/picture_cost.h"
+#include "src/library/drawing/cost/picture_cost.h"
 #include "tools/options/arguments.h"
 
 namespace sluice {

@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "src/library/drawing/picture_cost.h"
+#include "src/library/drawing/cost/picture_cost.h"
 
 namespace sluice {
 

@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "src/library/drawing/planned_channels.h"
+#include "src/library/drawing/cost/planned_channels.h"
 #include "tools/plan/plan_boxes.h"
 
 namespace sluice {

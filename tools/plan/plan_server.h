@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-#include "src/library/drawing/picture_cost.h"
+#include "src/library/drawing/cost/picture_cost.h"
 #include "src/library/opening/pass_forecast.h"
 #include "tools/options/arguments.h"
 

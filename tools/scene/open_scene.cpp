@@ -5,7 +5,7 @@
 #include <memory>
 #include <utility>
 
-#include "src/library/drawing/shared_world.h"
+#include "src/library/drawing/scene/shared_world.h"
 #include "src/render/blocks/cut_rules.h"
 #include "tools/command_line/console.h"
 #include "tools/command_line/environment.h"

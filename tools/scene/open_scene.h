@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "src/library/drawing/scene.h"
+#include "src/library/drawing/scene/scene.h"
 #include "src/library/drawing/view_fit.h"
 #include "tools/command_line/outputs.h"
 #include "tools/options/arguments.h"

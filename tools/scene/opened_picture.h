@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "src/library/drawing/channel_shares.h"
+#include "src/library/drawing/scene/channel_shares.h"
 #include "tools/command_line/outputs.h"
 #include "tools/options/arguments.h"
 #include "tools/scene/open_scene.h"

@@ -7,10 +7,10 @@
 
 #include "src/base/error.h"
 #include "src/library/conversions.h"
-#include "src/library/drawing/exr_contents.h"
-#include "src/library/drawing/picture_plan.h"
+#include "src/library/drawing/cost/picture_plan.h"
+#include "src/library/drawing/files/exr_contents.h"
+#include "src/library/drawing/files/strip_file.h"
 #include "src/library/drawing/probing.h"
-#include "src/library/drawing/strip_file.h"
 #include "src/library/drawing/view_fit.h"
 #include "src/library/in_situ.h"
 #include "src/library/opening/step_ranges.h"

@@ -1,6 +1,10 @@
 // Drawing: the work of the public Renderer, on the one thread that owns the device: a scene, and
 // public options and reports in place of its own. It keeps the results of fitting in addition to
 // what the scene keeps.
+//
+// The folder: here, the calls of the public Renderer and answers about a picture (probing.h,
+// view_fit.h, empty_picture.h). scene/ has what is drawn, cost/ what a picture costs before it is
+// drawn, and files/ the files that it is written to.
 #pragma once
 
 #include <sluice/image.h>
@@ -17,7 +21,7 @@
 #include <vector>
 
 #include "src/device/screen_picture.h"
-#include "src/library/drawing/scene.h"
+#include "src/library/drawing/scene/scene.h"
 #include "src/library/opening/opened_volume.h"
 #include "src/library/progress_relay.h"
 #include "src/render/blocks/memo.h"

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "src/classify/blocks/visible_cells.h"
-#include "src/library/drawing/shared_world.h"
+#include "src/library/drawing/scene/shared_world.h"
 
 namespace sluice {
 namespace {

@@ -13,7 +13,7 @@
 #include "src/base/error.h"
 #include "src/base/values/read_units.h"
 #include "src/base/values/volume_levels.h"
-#include "src/library/drawing/resources.h"
+#include "src/library/drawing/scene/resources.h"
 #include "src/library/opening/coarsest_level.h"
 #include "src/library/opening/side_levels.h"
 #include "src/library/opening/step_ranges.h"

@@ -14,7 +14,7 @@
 #include "src/base/threads/stop_token.h"
 #include "src/base/threads/worker_pool.h"
 #include "src/index/indexed_ranges.h"
-#include "src/library/drawing/chosen_look.h"
+#include "src/library/drawing/scene/chosen_look.h"
 #include "src/library/opening/level_choice.h"
 #include "src/library/opening/shown_channels.h"
 #include "src/library/opening/stand_in.h"

@@ -5,7 +5,7 @@
 
 #include "src/base/values/forwarding_source.h"
 #include "src/base/values/level_kinds.h"
-#include "src/library/drawing/chosen_look.h"
+#include "src/library/drawing/scene/chosen_look.h"
 #include "src/library/opening/coarsest_level.h"
 #include "src/library/opening/side_levels.h"
 #include "src/library/opening/volume_sample.h"

@@ -5,8 +5,8 @@
 
 #include "io/web/address.h"
 #include "src/base/values/volume_levels.h"
-#include "src/library/drawing/picture_cost.h"
-#include "src/library/drawing/resources.h"
+#include "src/library/drawing/cost/picture_cost.h"
+#include "src/library/drawing/scene/resources.h"
 #include "src/library/opening/stand_in.h"
 #include "src/volume/pyramid.h"
 

@@ -7,7 +7,7 @@
 #include "io/files/length_unit.h"
 #include "io/relabelled.h"
 #include "src/base/values/place_fault.h"
-#include "src/library/drawing/shared_world.h"
+#include "src/library/drawing/scene/shared_world.h"
 
 namespace sluice {
 namespace {

@@ -10,7 +10,7 @@
 
 #include "src/base/values/value_counts.h"
 #include "src/base/values/volume_channels.h"
-#include "src/library/drawing/chosen_look.h"
+#include "src/library/drawing/scene/chosen_look.h"
 #include "src/library/requests.h"
 
 namespace sluice {

@@ -1,4 +1,4 @@
-#include "src/library/drawing/picture_cost.h"
+#include "src/library/drawing/cost/picture_cost.h"
 
 #include <algorithm>
 #include <memory>
@@ -9,8 +9,8 @@
 #include "src/base/threads/clock.h"
 #include "src/base/threads/threads.h"
 #include "src/base/values/volume_levels.h"
-#include "src/library/drawing/picture_memory.h"
-#include "src/library/drawing/resources.h"
+#include "src/library/drawing/cost/picture_memory.h"
+#include "src/library/drawing/scene/resources.h"
 #include "src/render/camera/frame_setup.h"
 #include "src/render/session/budgets.h"
 #include "src/render/session/union_plan.h"

@@ -1,4 +1,7 @@
 // StripFile: the PNG or OpenEXR file of a picture that comes strip by strip, from the top down.
+//
+// The folder: the files of a picture. exr_contents.h makes the contents of an OpenEXR file, and
+// channel_traces.h names the traces of several channels.
 #pragma once
 
 #include <array>
@@ -9,7 +12,7 @@
 
 #include "io/pictures/exr_file.h"
 #include "io/pictures/png_file.h"
-#include "src/library/drawing/exr_contents.h"
+#include "src/library/drawing/files/exr_contents.h"
 
 namespace sluice {
 

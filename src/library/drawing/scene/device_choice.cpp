@@ -1,4 +1,4 @@
-#include "src/library/drawing/device_choice.h"
+#include "src/library/drawing/scene/device_choice.h"
 
 #include <string_view>
 

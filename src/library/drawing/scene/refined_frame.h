@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "src/library/drawing/scene.h"
+#include "src/library/drawing/scene/scene.h"
 #include "src/render/frame/refinement.h"
 
 namespace sluice {

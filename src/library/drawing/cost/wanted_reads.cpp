@@ -1,4 +1,4 @@
-#include "src/library/drawing/wanted_reads.h"
+#include "src/library/drawing/cost/wanted_reads.h"
 
 #include <algorithm>
 #include <utility>

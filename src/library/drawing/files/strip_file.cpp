@@ -1,11 +1,11 @@
-#include "src/library/drawing/strip_file.h"
+#include "src/library/drawing/files/strip_file.h"
 
 #include <algorithm>
 #include <cctype>
 #include <utility>
 
 #include "src/base/error.h"
-#include "src/library/drawing/picture_memory.h"
+#include "src/library/drawing/cost/picture_memory.h"
 
 namespace sluice {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <vector>
 
-#include "src/library/drawing/scene.h"
+#include "src/library/drawing/scene/scene.h"
 
 namespace sluice {
 

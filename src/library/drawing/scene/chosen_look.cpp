@@ -1,4 +1,4 @@
-#include "src/library/drawing/chosen_look.h"
+#include "src/library/drawing/scene/chosen_look.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

@@ -1,4 +1,4 @@
-#include "src/library/drawing/shared_world.h"
+#include "src/library/drawing/scene/shared_world.h"
 
 #include <algorithm>
 #include <array>

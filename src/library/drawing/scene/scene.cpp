@@ -1,4 +1,4 @@
-#include "src/library/drawing/scene.h"
+#include "src/library/drawing/scene/scene.h"
 
 #include <fmt/format.h>
 
@@ -10,8 +10,8 @@
 #include "src/base/files/file_kind.h"
 #include "src/base/threads/clock.h"
 #include "src/base/values/bytes.h"
-#include "src/library/drawing/channel_traces.h"
 #include "src/library/drawing/empty_picture.h"
+#include "src/library/drawing/files/channel_traces.h"
 #include "src/options/option_words.h"
 #include "src/render/blocks/cut_rules.h"
 

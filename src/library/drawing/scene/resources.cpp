@@ -1,4 +1,4 @@
-#include "src/library/drawing/resources.h"
+#include "src/library/drawing/scene/resources.h"
 
 #include <algorithm>
 #include <bit>

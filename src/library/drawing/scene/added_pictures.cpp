@@ -1,4 +1,4 @@
-#include "src/library/drawing/added_pictures.h"
+#include "src/library/drawing/scene/added_pictures.h"
 
 #include <algorithm>
 

@@ -6,10 +6,10 @@
 
 #include "src/base/error.h"
 #include "src/base/threads/clock.h"
-#include "src/library/drawing/added_pictures.h"
 #include "src/library/drawing/empty_picture.h"
-#include "src/library/drawing/scene.h"
-#include "src/library/drawing/shared_world.h"
+#include "src/library/drawing/scene/added_pictures.h"
+#include "src/library/drawing/scene/scene.h"
+#include "src/library/drawing/scene/shared_world.h"
 #include "src/render/frame/loaded_boxes.h"
 #include "src/render/session/blended_frame.h"
 

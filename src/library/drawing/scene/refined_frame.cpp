@@ -1,4 +1,4 @@
-#include "src/library/drawing/refined_frame.h"
+#include "src/library/drawing/scene/refined_frame.h"
 
 #include <algorithm>
 #include <chrono>

@@ -1,4 +1,4 @@
-#include "src/library/drawing/channel_traces.h"
+#include "src/library/drawing/files/channel_traces.h"
 
 #include <filesystem>
 #include <system_error>

@@ -1,4 +1,4 @@
-#include "src/library/drawing/exr_contents.h"
+#include "src/library/drawing/files/exr_contents.h"
 
 #include <fmt/format.h>
 

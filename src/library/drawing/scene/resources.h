@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-#include "src/library/drawing/picture_memory.h"
+#include "src/library/drawing/cost/picture_memory.h"
 #include "src/library/opening/indexed_volume.h"
 #include "src/library/requests.h"
 #include "src/render/session/session.h"

@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "src/library/drawing/channel_shares.h"
-#include "src/library/drawing/picture_cost.h"
+#include "src/library/drawing/cost/picture_cost.h"
+#include "src/library/drawing/scene/channel_shares.h"
 
 namespace sluice {
 

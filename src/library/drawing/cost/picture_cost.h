@@ -1,6 +1,10 @@
 // The cost of a picture before it is drawn: chunks, pages and bytes by algorithm, voxels to read,
 // and memory. Pure functions of plans; no voxel is read. At most one plan is in memory at a time:
 // planBytes() counts it.
+//
+// The folder: picture_cost.h is the cost of one session's picture, planned_channels.h adds up those
+// of a picture's channels, picture_memory.h divides large pictures into strips, wanted_reads.h
+// counts what the strips read again, and picture_plan.h is the public plan.
 #pragma once
 
 #include <array>
@@ -11,7 +15,7 @@
 
 #include "src/base/values/stored_reads.h"
 #include "src/device/device.h"
-#include "src/library/drawing/wanted_reads.h"
+#include "src/library/drawing/cost/wanted_reads.h"
 #include "src/library/opening/indexed_volume.h"
 #include "src/library/requests.h"
 #include "src/render/blocks/visible_blocks.h"

@@ -1,4 +1,4 @@
-#include "src/library/drawing/planned_channels.h"
+#include "src/library/drawing/cost/planned_channels.h"
 
 #include <algorithm>
 #include <utility>

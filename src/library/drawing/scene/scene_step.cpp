@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <memory>
 
-#include "src/library/drawing/scene.h"
-#include "src/library/drawing/shared_world.h"
+#include "src/library/drawing/scene/scene.h"
+#include "src/library/drawing/scene/shared_world.h"
 #include "src/render/blocks/cut_rules.h"
 #include "src/render/camera/frame_setup.h"
 #include "src/render/session/planner.h"

@@ -1,11 +1,11 @@
-#include "src/library/drawing/channel_shares.h"
+#include "src/library/drawing/scene/channel_shares.h"
 
 #include <algorithm>
 #include <limits>
 
-#include "src/library/drawing/picture_memory.h"
-#include "src/library/drawing/resources.h"
-#include "src/library/drawing/shared_world.h"
+#include "src/library/drawing/cost/picture_memory.h"
+#include "src/library/drawing/scene/resources.h"
+#include "src/library/drawing/scene/shared_world.h"
 #include "src/render/blocks/cut_rules.h"
 #include "src/render/blocks/lost_surfaces.h"
 #include "src/render/light/arriving_light.h"

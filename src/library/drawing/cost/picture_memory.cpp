@@ -1,4 +1,4 @@
-#include "src/library/drawing/picture_memory.h"
+#include "src/library/drawing/cost/picture_memory.h"
 
 #include <algorithm>
 

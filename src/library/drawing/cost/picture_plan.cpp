@@ -1,8 +1,8 @@
-#include "src/library/drawing/picture_plan.h"
+#include "src/library/drawing/cost/picture_plan.h"
 
 #include <string>
 
-#include "src/library/drawing/planned_channels.h"
+#include "src/library/drawing/cost/planned_channels.h"
 
 namespace sluice {
 namespace {

@@ -8,6 +8,10 @@
 // share out the blocks of each layer and compose each layer's picture, and rank 0 adds these. Of
 // layers that are blended, a rank has the same blocks, and the blended picture is composed.
 //
+// What a scene is made of lies beside it: the look (chosen_look.h), the device (device_choice.h),
+// the memory (resources.h), the layers' shares (channel_shares.h) and the place of a second volume
+// (shared_world.h).
+//
 // Used on one thread, the device's; workers of the pool run inside the calls.
 #pragma once
 
@@ -23,10 +27,10 @@
 
 #include "cache/trace/trace.h"
 #include "src/base/error.h"
-#include "src/library/drawing/channel_shares.h"
-#include "src/library/drawing/chosen_look.h"
-#include "src/library/drawing/picture_memory.h"
-#include "src/library/drawing/resources.h"
+#include "src/library/drawing/cost/picture_memory.h"
+#include "src/library/drawing/scene/channel_shares.h"
+#include "src/library/drawing/scene/chosen_look.h"
+#include "src/library/drawing/scene/resources.h"
 #include "src/library/opening/indexed_volume.h"
 #include "src/parallel/compositing.h"
 #include "src/parallel/rank_share.h"
