@@ -8,6 +8,10 @@
 // positions: rays.inl; their values: texels.inl; their colours: colors.inl) -> tiled_picture.h, or
 // tile_parts.h for a part of a picture.
 //
+// The folder: here, the device, its tiles, and what it makes of chunks and lights before it draws
+// (leap_grid.h, light_squares.h). kernels/ has the code that is compiled for each instruction set,
+// and the values that it reads.
+//
 // Called by one thread; the pool's threads work inside the calls.
 #pragma once
 
@@ -20,7 +24,7 @@
 #include <vector>
 
 #include "src/base/threads/worker_pool.h"
-#include "src/cpu/kernel_frame.h"
+#include "src/cpu/kernels/kernel_frame.h"
 #include "src/cpu/leap_grid.h"
 #include "src/cpu/light_squares.h"
 #include "src/cpu/simd_target.h"

@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "src/base/error.h"
-#include "src/cpu/kernel_values.h"
+#include "src/cpu/kernels/kernel_values.h"
 
 namespace sluice {
 

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "src/cpu/kernel_values.h"
+#include "src/cpu/kernels/kernel_values.h"
 
 namespace sluice {
 

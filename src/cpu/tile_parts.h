@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "src/cpu/kernel_values.h"
+#include "src/cpu/kernels/kernel_values.h"
 #include "src/device/partial_picture.h"
 
 namespace sluice {

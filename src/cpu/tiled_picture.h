@@ -13,7 +13,7 @@
 
 #include "src/base/threads/stop_token.h"
 #include "src/base/values/picture.h"
-#include "src/cpu/kernel_values.h"
+#include "src/cpu/kernels/kernel_values.h"
 #include "src/device/picture_rows.h"
 
 namespace sluice {

@@ -1,4 +1,4 @@
-#include "src/cpu/kernel_box.h"
+#include "src/cpu/kernels/kernel_box.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "src/cpu/packed_entries.h"
+#include "src/cpu/kernels/packed_entries.h"
 
 #include <gtest/gtest.h>
 

@@ -90,6 +90,7 @@ PARTS = {
     'io/zarr/levels': 'io/zarr',
     'io/zarr/packing': 'io/zarr',
     'io/zarr/reading': 'io/zarr',
+    'src/cpu/kernels': 'src/cpu',
     'src/gl/contexts': 'src/gl',
     'src/gl/shaders': 'src/gl',
     'src/library/drawing': 'src/library',

@@ -10,7 +10,7 @@
 #include "src/base/files/text_file.h"
 #include "src/base/threads/clock.h"
 #include "src/base/values/bytes.h"
-#include "src/cpu/kernel_values.h"
+#include "src/cpu/kernels/kernel_values.h"
 #include "src/library/opening/thick_source.h"
 #include "tools/command_line/console.h"
 #include "tools/command_line/interrupt.h"

@@ -1,6 +1,10 @@
 // The values that the SIMD kernels read: a frame, its boxes and the pixels of a tile as plain
 // single-precision values, so that one definition serves the code of every target. Made by
 // kernel_frame.h and kernel_box.h; nothing here owns memory.
+//
+// The folder: composite_kernels.cpp, blended_kernels.cpp and mode_kernels.cpp are the kernels, each
+// compiled once for every instruction set (kernel_set.h). The .inl files are parts of them, one
+// subject each: rays, texels, colours, lighting, surfaces.
 #pragma once
 
 #include <array>

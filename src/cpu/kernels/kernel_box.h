@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "src/cpu/kernel_values.h"
+#include "src/cpu/kernels/kernel_values.h"
 #include "src/cpu/leap_grid.h"
 #include "src/device/chunk_texels.h"
 

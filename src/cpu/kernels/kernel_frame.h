@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "src/cpu/kernel_values.h"
-#include "src/cpu/packed_entries.h"
+#include "src/cpu/kernels/kernel_values.h"
+#include "src/cpu/kernels/packed_entries.h"
 #include "src/device/integrated_look.h"
 #include "src/device/look_up_texels.h"
 

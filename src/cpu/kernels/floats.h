@@ -2,7 +2,7 @@
 #pragma once
 
 #include "src/base/values/vec.h"
-#include "src/cpu/kernel_values.h"
+#include "src/cpu/kernels/kernel_values.h"
 
 namespace sluice {
 

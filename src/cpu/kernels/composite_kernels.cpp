@@ -4,16 +4,16 @@
 // Highway requires this order.
 // clang-format off
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "src/cpu/composite_kernels.cpp"
+#define HWY_TARGET_INCLUDE "src/cpu/kernels/composite_kernels.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 #include <hwy/contrib/math/math-inl.h>
 // clang-format on
 
-#include "src/cpu/kernel_set.h"
-#include "src/cpu/kernel_values.h"
+#include "src/cpu/kernels/kernel_set.h"
+#include "src/cpu/kernels/kernel_values.h"
+#include "src/cpu/kernels/packed_entries.h"
 #include "src/cpu/leap_grid.h"
-#include "src/cpu/packed_entries.h"
 #include "src/device/blue_noise.h"
 #include "src/device/rough_light.h"
 
@@ -25,16 +25,16 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 // Each needs those before it.
 // clang-format off
-#include "src/cpu/rays.inl"
-#include "src/cpu/loads.inl"
-#include "src/cpu/texels.inl"
-#include "src/cpu/colors.inl"
-#include "src/cpu/lighting.inl"
-#include "src/cpu/label_slopes.inl"
-#include "src/cpu/leaps.inl"
-#include "src/cpu/segments.inl"
-#include "src/cpu/sample_colors.inl"
-#include "src/cpu/pixels.inl"
+#include "src/cpu/kernels/rays.inl"
+#include "src/cpu/kernels/loads.inl"
+#include "src/cpu/kernels/texels.inl"
+#include "src/cpu/kernels/colors.inl"
+#include "src/cpu/kernels/lighting.inl"
+#include "src/cpu/kernels/label_slopes.inl"
+#include "src/cpu/kernels/leaps.inl"
+#include "src/cpu/kernels/segments.inl"
+#include "src/cpu/kernels/sample_colors.inl"
+#include "src/cpu/kernels/pixels.inl"
 // clang-format on
 
 // Turns between two looks for bricks to leap over: few, if the last look found some.
@@ -211,7 +211,7 @@ struct Passage {
                   Pixels& pixels);
 };
 
-#include "src/cpu/surfaces.inl"
+#include "src/cpu/kernels/surfaces.inl"
 
 // The box for one packet. `going`: pixels that take samples.
 template <DeviceType kType, Shading kShading>

@@ -1,11 +1,11 @@
-#include "src/cpu/kernel_frame.h"
+#include "src/cpu/kernels/kernel_frame.h"
 
 #include <algorithm>
 #include <limits>
 #include <utility>
 
 #include "src/base/error.h"
-#include "src/cpu/floats.h"
+#include "src/cpu/kernels/floats.h"
 #include "src/device/blue_noise.h"
 #include "src/device/rough_light.h"
 

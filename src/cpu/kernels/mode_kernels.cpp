@@ -5,15 +5,15 @@
 // Highway requires this order.
 // clang-format off
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "src/cpu/mode_kernels.cpp"
+#define HWY_TARGET_INCLUDE "src/cpu/kernels/mode_kernels.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 #include <hwy/contrib/math/math-inl.h>
 // clang-format on
 
-#include "src/cpu/kernel_set.h"
-#include "src/cpu/kernel_values.h"
-#include "src/cpu/packed_entries.h"
+#include "src/cpu/kernels/kernel_set.h"
+#include "src/cpu/kernels/kernel_values.h"
+#include "src/cpu/kernels/packed_entries.h"
 #include "src/device/blue_noise.h"
 #include "src/device/depth_code.h"
 
@@ -25,10 +25,10 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 // Each needs those before it.
 // clang-format off
-#include "src/cpu/rays.inl"
-#include "src/cpu/loads.inl"
-#include "src/cpu/texels.inl"
-#include "src/cpu/colors.inl"
+#include "src/cpu/kernels/rays.inl"
+#include "src/cpu/kernels/loads.inl"
+#include "src/cpu/kernels/texels.inl"
+#include "src/cpu/kernels/colors.inl"
 // clang-format on
 
 // The samples of a packet's rays in a box: `count` samples at first + clamp(j, from, to) * pace, in

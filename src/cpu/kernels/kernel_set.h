@@ -1,5 +1,6 @@
 // Which instruction set a source of kernels is compiled for: each has an object library of its own
-// (CMakeLists.txt), so that they are compiled side by side, and a first build needs few of them.
+// (src/cpu/CMakeLists.txt), so that they are compiled side by side, and a first build needs few of
+// them.
 //
 // SLUICE_KERNEL_SET is one of Highway's targets. Without it, the kernels are those for the
 // instructions that the compiler may use anywhere.

@@ -1,10 +1,10 @@
-#include "src/cpu/kernel_box.h"
+#include "src/cpu/kernels/kernel_box.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "src/base/error.h"
-#include "src/cpu/floats.h"
+#include "src/cpu/kernels/floats.h"
 #include "src/device/depth_code.h"
 #include "src/device/label_shares.h"
 
