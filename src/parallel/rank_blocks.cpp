@@ -1,6 +1,6 @@
 #include "src/parallel/rank_blocks.h"
 
-#include "src/render/blocks/cut_rules.h"
+#include "src/render/blocks/cut/cut_rules.h"
 
 namespace sluice {
 namespace {

@@ -13,7 +13,7 @@
 #include <utility>
 
 #include "src/parallel/dealing.h"
-#include "src/render/blocks/level_cut.h"
+#include "src/render/blocks/cut/level_cut.h"
 #include "src/render/blocks/visible_blocks.h"
 
 namespace sluice {

@@ -102,6 +102,8 @@ PARTS = {
     'src/visibility/plenoptic': 'src/visibility',
     'src/render/camera': 'src/render',
     'src/render/blocks': 'src/render',
+    'src/render/blocks/cut': 'src/render',
+    'src/render/blocks/losses': 'src/render',
     'src/render/frame': 'src/render',
     'src/render/light': 'src/render',
     'src/render/session': 'src/render',

@@ -1,6 +1,6 @@
 // Cuts through levels of resolution: the blocks that they choose.
-#include "src/render/blocks/level_cut.h"
-#include "src/render/blocks/cut_rules.h"
+#include "src/render/blocks/cut/level_cut.h"
+#include "src/render/blocks/cut/cut_rules.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

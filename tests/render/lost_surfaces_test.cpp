@@ -6,7 +6,7 @@
 #include <set>
 #include <vector>
 
-#include "src/render/blocks/lost_surfaces.h"
+#include "src/render/blocks/losses/lost_surfaces.h"
 #include "tests/render/level_scene.h"
 
 namespace sluice {

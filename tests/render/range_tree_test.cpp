@@ -1,5 +1,5 @@
 // RangeTree against a plain look at every finest block in each region.
-#include "src/render/blocks/range_tree.h"
+#include "src/render/blocks/cut/range_tree.h"
 
 #include <gtest/gtest.h>
 

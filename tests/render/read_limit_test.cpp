@@ -1,5 +1,5 @@
 // Pictures of cuts that may not wait for their data: whole at any time, better one after the other.
-#include "src/render/blocks/read_limit.h"
+#include "src/render/blocks/cut/read_limit.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // ShownLevels against all blocks of the finest level, one by one.
-#include "src/render/blocks/shown_levels.h"
+#include "src/render/blocks/cut/shown_levels.h"
 
 #include <gtest/gtest.h>
 

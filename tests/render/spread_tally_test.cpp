@@ -1,5 +1,5 @@
 // What is noted of the spreads of blocks.
-#include "src/render/blocks/spread_tally.h"
+#include "src/render/blocks/losses/spread_tally.h"
 
 #include <gtest/gtest.h>
 

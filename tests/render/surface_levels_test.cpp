@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "src/render/blocks/cut_rules.h"
+#include "src/render/blocks/cut/cut_rules.h"
 #include "src/render/light/coarse_extinction.h"
 #include "tests/render/level_scene.h"
 #include "tests/render/one_light.h"

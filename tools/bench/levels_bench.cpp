@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "src/base/error.h"
-#include "src/render/blocks/cut_rules.h"
+#include "src/render/blocks/cut/cut_rules.h"
 #include "tools/bench/bench.h"
 #include "tools/bench/picture_error.h"
 #include "tools/command_line/console.h"

@@ -12,7 +12,7 @@
 #include "src/library/drawing/scene/shared_world.h"
 #include "src/library/opening/shown_channels.h"
 #include "src/library/opening/step_ranges.h"
-#include "src/render/blocks/cut_rules.h"
+#include "src/render/blocks/cut/cut_rules.h"
 #include "src/render/session/blended_frame.h"
 #include "tools/command_line/interrupt.h"
 #include "tools/command_line/progress_line.h"

@@ -1,7 +1,7 @@
 #include "src/base/error.h"
 #include "src/library/conversions.h"
 #include "src/library/drawing/scene/resources.h"
-#include "src/render/blocks/cut_rules.h"
+#include "src/render/blocks/cut/cut_rules.h"
 #include "tools/options/shared_options.h"
 
 namespace sluice {

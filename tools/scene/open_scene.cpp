@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "src/library/drawing/scene/shared_world.h"
-#include "src/render/blocks/cut_rules.h"
+#include "src/render/blocks/cut/cut_rules.h"
 #include "tools/command_line/console.h"
 #include "tools/command_line/environment.h"
 #include "tools/command_line/interrupt.h"

@@ -14,7 +14,7 @@
 #include "src/library/drawing/view_fit.h"
 #include "src/library/in_situ.h"
 #include "src/library/opening/step_ranges.h"
-#include "src/render/blocks/cut_rules.h"
+#include "src/render/blocks/cut/cut_rules.h"
 #include "src/render/camera/index_space.h"
 
 namespace sluice {

@@ -9,7 +9,7 @@
 #include "src/library/opening/coarsest_level.h"
 #include "src/library/opening/side_levels.h"
 #include "src/library/opening/volume_sample.h"
-#include "src/render/blocks/cut_rules.h"
+#include "src/render/blocks/cut/cut_rules.h"
 
 namespace sluice {
 namespace {

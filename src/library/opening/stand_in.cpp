@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "src/base/threads/mutex.h"
-#include "src/render/blocks/cut_rules.h"
-#include "src/render/blocks/level_cut.h"
+#include "src/render/blocks/cut/cut_rules.h"
+#include "src/render/blocks/cut/level_cut.h"
 #include "src/render/blocks/look.h"
 #include "src/volume/device_reader.h"
 

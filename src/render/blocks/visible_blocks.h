@@ -3,6 +3,10 @@
 //
 // By default that is the classification: blocks in which something is not transparent. An estimate
 // of which blocks are hidden, or a cut through levels of resolution, is another chooser.
+//
+// The folder: here, the first values of a frame's chain (time_step.h, look.h) and the choosers.
+// cut/ has the cut through levels of resolution, and losses/ what the coarse blocks of a picture do
+// not show.
 #pragma once
 
 #include <functional>
@@ -11,9 +15,9 @@
 
 #include "src/base/threads/worker_pool.h"
 #include "src/classify/blocks/classification.h"
+#include "src/render/blocks/cut/read_limit.h"
 #include "src/render/blocks/look.h"
 #include "src/render/blocks/memo.h"
-#include "src/render/blocks/read_limit.h"
 #include "src/render/camera/camera.h"
 #include "src/render/camera/cut_options.h"
 #include "src/texture/texture_plan.h"

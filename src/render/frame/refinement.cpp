@@ -7,7 +7,7 @@
 
 #include "src/base/error.h"
 #include "src/base/threads/clock.h"
-#include "src/render/blocks/cut_rules.h"
+#include "src/render/blocks/cut/cut_rules.h"
 
 namespace sluice {
 namespace {

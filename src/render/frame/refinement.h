@@ -18,7 +18,7 @@
 
 #include "src/base/threads/deadline.h"
 #include "src/base/threads/worker_pool.h"
-#include "src/render/blocks/level_cut.h"
+#include "src/render/blocks/cut/level_cut.h"
 #include "src/render/session/session.h"
 
 namespace sluice {

@@ -14,8 +14,8 @@
 #include <vector>
 
 #include "cache/model/page_geometry.h"
-#include "src/render/blocks/cut_rules.h"
-#include "src/render/blocks/level_cut.h"
+#include "src/render/blocks/cut/cut_rules.h"
+#include "src/render/blocks/cut/level_cut.h"
 #include "src/render/blocks/visible_blocks.h"
 #include "src/render/camera/frame_options.h"
 #include "src/render/frame/draw_order.h"

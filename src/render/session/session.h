@@ -16,8 +16,8 @@
 
 #include "src/index/index_file.h"
 #include "src/index/stale_check.h"
-#include "src/render/blocks/lost_tally.h"
-#include "src/render/blocks/spread_tally.h"
+#include "src/render/blocks/losses/lost_tally.h"
+#include "src/render/blocks/losses/spread_tally.h"
 #include "src/render/frame/frame_run.h"
 #include "src/render/light/arriving_light.h"
 #include "src/render/session/planner.h"

@@ -6,7 +6,7 @@
 
 #include "src/base/error.h"
 #include "src/base/threads/clock.h"
-#include "src/render/blocks/cut_rules.h"
+#include "src/render/blocks/cut/cut_rules.h"
 #include "src/render/session/session.h"
 #include "src/render/session/union_plan.h"
 

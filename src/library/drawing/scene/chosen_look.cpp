@@ -13,7 +13,7 @@
 #include "src/classify/transfer/label_table.h"
 #include "src/classify/transfer/transfer_file.h"
 #include "src/classify/transfer/transfer_makers.h"
-#include "src/render/blocks/cut_rules.h"
+#include "src/render/blocks/cut/cut_rules.h"
 #include "src/render/camera/index_space.h"
 
 namespace sluice {

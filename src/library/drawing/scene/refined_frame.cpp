@@ -6,7 +6,7 @@
 
 #include "src/base/error.h"
 #include "src/library/drawing/empty_picture.h"
-#include "src/render/blocks/cut_rules.h"
+#include "src/render/blocks/cut/cut_rules.h"
 
 namespace sluice {
 namespace {

@@ -6,7 +6,7 @@
 #include "src/base/threads/clock.h"
 #include "src/classify/blocks/classification.h"
 #include "src/render/blocks/look.h"
-#include "src/render/blocks/spread_tally.h"
+#include "src/render/blocks/losses/spread_tally.h"
 #include "src/volume/learnt_ranges.h"
 
 namespace sluice {

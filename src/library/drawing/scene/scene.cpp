@@ -13,7 +13,7 @@
 #include "src/library/drawing/empty_picture.h"
 #include "src/library/drawing/files/channel_traces.h"
 #include "src/options/option_words.h"
-#include "src/render/blocks/cut_rules.h"
+#include "src/render/blocks/cut/cut_rules.h"
 
 namespace sluice {
 namespace {

@@ -4,7 +4,7 @@
 
 #include "src/library/drawing/scene/scene.h"
 #include "src/library/drawing/scene/shared_world.h"
-#include "src/render/blocks/cut_rules.h"
+#include "src/render/blocks/cut/cut_rules.h"
 #include "src/render/camera/frame_setup.h"
 #include "src/render/session/planner.h"
 

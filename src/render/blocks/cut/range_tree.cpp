@@ -1,4 +1,4 @@
-#include "src/render/blocks/range_tree.h"
+#include "src/render/blocks/cut/range_tree.h"
 
 #include <algorithm>
 #include <span>

@@ -1,4 +1,4 @@
-#include "src/render/blocks/shown_levels.h"
+#include "src/render/blocks/cut/shown_levels.h"
 
 #include <algorithm>
 #include <atomic>
@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "src/base/error.h"
-#include "src/render/blocks/surface_sides.h"
+#include "src/render/blocks/cut/surface_sides.h"
 
 namespace sluice {
 namespace {

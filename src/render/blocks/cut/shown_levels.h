@@ -9,7 +9,7 @@
 
 #include "src/base/threads/worker_pool.h"
 #include "src/classify/blocks/object_boxes.h"
-#include "src/render/blocks/range_tree.h"
+#include "src/render/blocks/cut/range_tree.h"
 #include "src/render/blocks/visible_blocks.h"
 #include "src/volume/pyramid.h"
 

@@ -1,5 +1,8 @@
 // LostTally: which coarse blocks of a picture lose part of its surfaces, judged as they are read.
 //
+// The folder: what coarse blocks do not show of the voxels that they stand for. lost_surfaces.h
+// judges a block, lost_tally.h and spread_tally.h keep count as blocks are read.
+//
 // Used on one thread, a session's, but for note(), which any thread may call.
 #pragma once
 

@@ -1,4 +1,4 @@
-#include "src/render/blocks/level_cut.h"
+#include "src/render/blocks/cut/level_cut.h"
 
 #include <algorithm>
 #include <map>
@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "src/base/error.h"
-#include "src/render/blocks/cut_rules.h"
-#include "src/render/blocks/level_faces.h"
-#include "src/render/blocks/shown_levels.h"
+#include "src/render/blocks/cut/cut_rules.h"
+#include "src/render/blocks/cut/level_faces.h"
+#include "src/render/blocks/cut/shown_levels.h"
 #include "src/render/camera/pixel_sizes.h"
 
 namespace sluice {

@@ -1,4 +1,4 @@
-#include "src/render/blocks/level_faces.h"
+#include "src/render/blocks/cut/level_faces.h"
 
 #include <unordered_set>
 

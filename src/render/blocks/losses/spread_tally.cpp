@@ -1,4 +1,4 @@
-#include "src/render/blocks/spread_tally.h"
+#include "src/render/blocks/losses/spread_tally.h"
 
 #include <algorithm>
 #include <cmath>

@@ -11,6 +11,10 @@
 // Volumes on one grid that are drawn as one medium are of one cut, so that their blocks are the
 // same parts of the volume: a part is refined where any of them shows something there, and only if
 // all of them have the room.
+//
+// The folder: cut_rules.h decides whether a picture is a cut, and of which levels. shown_levels.h
+// has the parts of each level that show something, from the ranges below each block (range_tree.h).
+// level_faces.h finds where blocks of different levels meet.
 #pragma once
 
 #include <memory>

@@ -1,10 +1,10 @@
-#include "src/render/blocks/lost_tally.h"
+#include "src/render/blocks/losses/lost_tally.h"
 
 #include <algorithm>
 #include <utility>
 
 #include "src/base/error.h"
-#include "src/render/blocks/lost_surfaces.h"
+#include "src/render/blocks/losses/lost_surfaces.h"
 
 namespace sluice {
 

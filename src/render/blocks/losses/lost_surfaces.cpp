@@ -1,4 +1,4 @@
-#include "src/render/blocks/lost_surfaces.h"
+#include "src/render/blocks/losses/lost_surfaces.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "src/render/blocks/surface_sides.h"
+#include "src/render/blocks/cut/surface_sides.h"
 
 #include <utility>
 

@@ -1,4 +1,4 @@
-#include "src/render/blocks/cut_rules.h"
+#include "src/render/blocks/cut/cut_rules.h"
 
 #include <algorithm>
 
