@@ -12,6 +12,8 @@
 // same parts of the volume: a part is refined where any of them shows something there, and only if
 // all of them have the room.
 //
+// LevelCut keeps the last answer, and what it was chosen from; cut_maker.h makes a cut.
+//
 // The folder: cut_rules.h decides whether a picture is a cut, and of which levels. shown_levels.h
 // has the parts of each level that show something, from the ranges below each block (range_tree.h).
 // level_faces.h finds where blocks of different levels meet.
