@@ -76,6 +76,9 @@ ALLOWED = {
 
 # Folders within a layer, for which the rule is the layer's.
 PARTS = {
+    'src/view/state/editing': 'src/view/state',
+    'src/view/state/files': 'src/view/state',
+    'src/view/state/screen': 'src/view/state',
     'src/base/files': 'src/base',
     'src/base/looks': 'src/base',
     'src/base/threads': 'src/base',

@@ -8,8 +8,8 @@
 #include <algorithm>
 #include <random>
 
+#include "src/view/state/files/state_file.h"
 #include "src/view/state/printed_command.h"
-#include "src/view/state/state_file.h"
 #include "src/view/state/view_check.h"
 #include "tools/options/shared_options.h"
 #include "tools/options/view_arguments.h"

@@ -1,6 +1,6 @@
 // Gestures are checked against the renderer's own view of the same camera
 // (src/render/camera/camera.h), which knows nothing of them.
-#include "src/view/state/camera_gestures.h"
+#include "src/view/state/editing/camera_gestures.h"
 
 #include <gtest/gtest.h>
 

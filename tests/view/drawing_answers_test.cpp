@@ -13,7 +13,7 @@
 
 #include "src/base/files/file_kind.h"
 #include "src/base/threads/threads.h"
-#include "src/view/state/transfer_edit.h"
+#include "src/view/state/editing/transfer_edit.h"
 #include "tests/support/temp_folder.h"
 #include "tests/support/wrong_states.h"
 #include "tests/view/seen_news.h"

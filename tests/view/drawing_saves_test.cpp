@@ -12,7 +12,7 @@
 #include "src/base/files/file_kind.h"
 #include "src/base/threads/threads.h"
 #include "src/view/drawing/drawing_thread.h"
-#include "src/view/state/state_file.h"
+#include "src/view/state/files/state_file.h"
 #include "tests/support/temp_folder.h"
 
 namespace sluice {

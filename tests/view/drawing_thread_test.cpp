@@ -12,7 +12,7 @@
 #include <thread>
 
 #include "src/base/threads/threads.h"
-#include "src/view/state/transfer_edit.h"
+#include "src/view/state/editing/transfer_edit.h"
 #include "tests/support/ball_pyramid.h"
 #include "tests/support/temp_folder.h"
 #include "tests/view/seen_news.h"

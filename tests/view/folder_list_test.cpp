@@ -1,4 +1,4 @@
-#include "src/view/state/folder_list.h"
+#include "src/view/state/files/folder_list.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

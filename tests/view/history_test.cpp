@@ -1,4 +1,4 @@
-#include "src/view/state/history.h"
+#include "src/view/state/editing/history.h"
 
 #include <gtest/gtest.h>
 

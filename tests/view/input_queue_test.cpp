@@ -1,4 +1,4 @@
-#include "src/view/state/input_queue.h"
+#include "src/view/state/screen/input_queue.h"
 
 #include <gtest/gtest.h>
 

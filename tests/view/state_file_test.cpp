@@ -1,4 +1,4 @@
-#include "src/view/state/state_file.h"
+#include "src/view/state/files/state_file.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -6,7 +6,7 @@
 
 #include <limits>
 
-#include "src/view/state/state_file.h"
+#include "src/view/state/files/state_file.h"
 #include "tests/support/error_of.h"
 #include "tests/support/wrong_states.h"
 

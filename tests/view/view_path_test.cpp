@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "src/view/state/camera_gestures.h"
+#include "src/view/state/editing/camera_gestures.h"
 
 namespace sluice {
 namespace {

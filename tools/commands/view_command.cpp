@@ -12,8 +12,8 @@
 #endif
 #include "src/view/drawing/drawing_thread.h"
 #include "src/view/drawing/window_module.h"
-#include "src/view/state/settings.h"
-#include "src/view/state/state_file.h"
+#include "src/view/state/files/settings.h"
+#include "src/view/state/files/state_file.h"
 #include "tools/command_line/console.h"
 #include "tools/command_line/environment.h"
 #include "tools/command_line/interrupt.h"

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "src/options/option_table.h"
-#include "src/view/state/state_file.h"
+#include "src/view/state/files/state_file.h"
 #include "src/view/state/view_path.h"
 
 namespace sluice {

@@ -16,7 +16,7 @@
 #include "src/view/drawing/job_queue.h"
 #include "src/view/drawing/news_box.h"
 #include "src/view/drawing/pace.h"
-#include "src/view/state/state_file.h"
+#include "src/view/state/files/state_file.h"
 
 namespace sluice {
 

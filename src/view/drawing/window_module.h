@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "src/view/drawing/desk.h"
-#include "src/view/state/settings.h"
+#include "src/view/state/files/settings.h"
 
 namespace sluice {
 

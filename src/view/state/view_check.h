@@ -1,6 +1,10 @@
 // Checks of a view's numbers: whether they can be drawn at all, and whether they fit a volume. A
 // saved view is checked before anything is drawn with it, and the window checks every change that
 // the user makes. Pure functions.
+//
+// The folder: the parts of the window that know neither windows nor drawing, as pure functions and
+// plain values. Here, what holds of any view; editing/ changes a view, files/ keeps views and
+// settings and lists folders, and screen/ works on the window's events and pixels.
 #pragma once
 
 #include <sluice/volume.h>

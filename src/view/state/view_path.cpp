@@ -9,7 +9,7 @@
 
 #include "src/base/error.h"
 #include "src/base/values/vec.h"
-#include "src/view/state/camera_gestures.h"
+#include "src/view/state/editing/camera_gestures.h"
 
 namespace sluice {
 namespace {

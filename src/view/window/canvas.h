@@ -10,7 +10,7 @@
 #include <memory>
 #include <vector>
 
-#include "src/view/state/changed_area.h"
+#include "src/view/state/screen/changed_area.h"
 
 namespace sluice {
 

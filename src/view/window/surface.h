@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "src/view/drawing/window_module.h"
-#include "src/view/state/input_queue.h"
+#include "src/view/state/screen/input_queue.h"
 
 struct GLFWwindow;
 

@@ -19,7 +19,7 @@
 
 #include "src/base/error.h"
 #include "src/view/drawing/window_module.h"
-#include "src/view/state/scaled_pixels.h"
+#include "src/view/state/screen/scaled_pixels.h"
 #include "src/view/window/canvas.h"
 #include "src/view/window/panels/panels.h"
 #include "src/view/window/surface.h"

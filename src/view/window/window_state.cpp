@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "src/base/files/file_kind.h"
-#include "src/view/state/state_file.h"
+#include "src/view/state/files/state_file.h"
 #include "src/view/state/view_check.h"
 
 namespace sluice {

@@ -18,10 +18,10 @@
 
 #include "src/view/drawing/desk.h"
 #include "src/view/drawing/window_module.h"
-#include "src/view/state/camera_gestures.h"
-#include "src/view/state/folder_list.h"
-#include "src/view/state/history.h"
-#include "src/view/state/settings.h"
+#include "src/view/state/editing/camera_gestures.h"
+#include "src/view/state/editing/history.h"
+#include "src/view/state/files/folder_list.h"
+#include "src/view/state/files/settings.h"
 #include "src/view/window/event_log.h"
 #include "src/view/window/texture.h"
 

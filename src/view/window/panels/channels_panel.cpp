@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "src/view/state/look_edit.h"
+#include "src/view/state/editing/look_edit.h"
 #include "src/view/window/panels/panels.h"
 
 namespace sluice {

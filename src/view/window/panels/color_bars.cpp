@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "src/view/state/look_edit.h"
+#include "src/view/state/editing/look_edit.h"
 #include "src/view/window/panels/overlay_text.h"
 #include "src/view/window/panels/panels.h"
 

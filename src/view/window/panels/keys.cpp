@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "src/options/option_table.h"
-#include "src/view/state/transfer_edit.h"
+#include "src/view/state/editing/transfer_edit.h"
 #include "src/view/window/panels/panels.h"
 
 namespace sluice {

@@ -2,8 +2,8 @@
 
 #include <array>
 
-#include "src/view/state/look_edit.h"
-#include "src/view/state/transfer_edit.h"
+#include "src/view/state/editing/look_edit.h"
+#include "src/view/state/editing/transfer_edit.h"
 #include "src/view/window/panels/panels.h"
 
 namespace sluice {

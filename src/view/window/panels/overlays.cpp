@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "src/view/state/look_edit.h"
+#include "src/view/state/editing/look_edit.h"
 #include "src/view/window/panels/overlay_text.h"
 #include "src/view/window/panels/panels.h"
 

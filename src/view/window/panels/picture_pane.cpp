@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "src/view/state/transfer_edit.h"
+#include "src/view/state/editing/transfer_edit.h"
 #include "src/view/window/panels/panels.h"
 
 namespace sluice {

@@ -2,7 +2,7 @@
 #include <fmt/format.h>
 #include <imgui.h>
 
-#include "src/view/state/look_edit.h"
+#include "src/view/state/editing/look_edit.h"
 #include "src/view/window/panels/panels.h"
 
 namespace sluice {

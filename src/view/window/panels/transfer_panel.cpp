@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "src/base/files/file_kind.h"
-#include "src/view/state/transfer_edit.h"
+#include "src/view/state/editing/transfer_edit.h"
 #include "src/view/window/panels/panels.h"
 
 namespace sluice {

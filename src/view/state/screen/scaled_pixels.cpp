@@ -1,4 +1,4 @@
-#include "src/view/state/scaled_pixels.h"
+#include "src/view/state/screen/scaled_pixels.h"
 
 #include <algorithm>
 #include <bit>

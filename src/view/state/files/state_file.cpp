@@ -1,4 +1,4 @@
-#include "src/view/state/state_file.h"
+#include "src/view/state/files/state_file.h"
 
 #include <array>
 #include <nlohmann/json.hpp>
@@ -12,7 +12,7 @@
 #include "src/base/looks/label_look.h"
 #include "src/base/looks/surface_look.h"
 #include "src/options/option_table.h"
-#include "src/view/state/file_name_json.h"
+#include "src/view/state/files/file_name_json.h"
 #include "src/view/state/view_check.h"
 
 namespace sluice {

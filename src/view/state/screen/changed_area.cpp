@@ -1,4 +1,4 @@
-#include "src/view/state/changed_area.h"
+#include "src/view/state/screen/changed_area.h"
 
 #include <algorithm>
 

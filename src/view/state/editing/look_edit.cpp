@@ -1,4 +1,4 @@
-#include "src/view/state/look_edit.h"
+#include "src/view/state/editing/look_edit.h"
 
 #include <fmt/format.h>
 

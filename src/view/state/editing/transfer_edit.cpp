@@ -1,4 +1,4 @@
-#include "src/view/state/transfer_edit.h"
+#include "src/view/state/editing/transfer_edit.h"
 
 #include <algorithm>
 #include <cmath>

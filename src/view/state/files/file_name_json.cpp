@@ -1,4 +1,4 @@
-#include "src/view/state/file_name_json.h"
+#include "src/view/state/files/file_name_json.h"
 
 #include <nlohmann/json.hpp>
 

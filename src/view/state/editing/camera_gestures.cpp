@@ -1,4 +1,4 @@
-#include "src/view/state/camera_gestures.h"
+#include "src/view/state/editing/camera_gestures.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "src/view/state/settings.h"
+#include "src/view/state/files/settings.h"
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
@@ -6,7 +6,7 @@
 #include "src/base/error.h"
 #include "src/base/files/json_field.h"
 #include "src/base/files/text_file.h"
-#include "src/view/state/file_name_json.h"
+#include "src/view/state/files/file_name_json.h"
 
 namespace sluice {
 
