@@ -11,7 +11,7 @@
 #include "src/index/indexed_ranges.h"
 #include "src/library/opening/checked_source.h"
 #include "src/parallel/agreement.h"
-#include "src/parallel/mpi_ranks.h"
+#include "src/parallel/communication/mpi_ranks.h"
 
 namespace sluice {
 namespace {

@@ -11,8 +11,8 @@
 #include "src/base/error.h"
 #include "src/base/threads/stop_token.h"
 #include "src/library/opening/indexed_volume.h"
+#include "src/parallel/communication/team.h"
 #include "src/parallel/lent_boxes.h"
-#include "src/parallel/team.h"
 
 namespace sluice {
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "src/base/values/volume_source.h"
-#include "src/parallel/team.h"
+#include "src/parallel/communication/team.h"
 #include "src/volume/slice_ranges.h"
 
 namespace sluice {

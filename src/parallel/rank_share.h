@@ -5,6 +5,8 @@
 // The way of a frame on ranks: culled_blocks.h (each looks at tiles of the estimate, one exchange
 // of the visible blocks) -> rank_blocks.h -> the frame's chain as ever -> part_device.h ->
 // compositing.h. All ranks make the same calls in the same order. Used on one thread, the device's.
+//
+// The folder: here, how ranks share a picture. communication/ has how they reach one another.
 #pragma once
 
 #include <cstdint>

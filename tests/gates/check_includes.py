@@ -103,6 +103,7 @@ PARTS = {
     'src/library/opening': 'src/library',
     'src/visibility/occlusion': 'src/visibility',
     'src/visibility/plenoptic': 'src/visibility',
+    'src/parallel/communication': 'src/parallel',
     'src/render/camera': 'src/render',
     'src/render/blocks': 'src/render',
     'src/render/blocks/cut': 'src/render',

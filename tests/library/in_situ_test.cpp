@@ -13,7 +13,7 @@
 
 #include "src/base/threads/clock.h"
 #include "src/library/in_situ.h"
-#include "src/parallel/in_process.h"
+#include "src/parallel/communication/in_process.h"
 
 namespace sluice {
 namespace {

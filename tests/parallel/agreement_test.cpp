@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "src/base/threads/worker_pool.h"
-#include "src/parallel/in_process.h"
+#include "src/parallel/communication/in_process.h"
 #include "tests/support/memory_source.h"
 
 namespace sluice {

@@ -10,7 +10,7 @@
 #include <string_view>
 #include <thread>
 
-#include "src/parallel/mpi_ranks.h"
+#include "src/parallel/communication/mpi_ranks.h"
 
 namespace sluice {
 namespace {

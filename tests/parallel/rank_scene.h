@@ -10,8 +10,8 @@
 #include <memory>
 #include <utility>
 
+#include "src/parallel/communication/in_process.h"
 #include "src/parallel/compositing.h"
-#include "src/parallel/in_process.h"
 #include "src/parallel/part_device.h"
 #include "src/parallel/rank_blocks.h"
 #include "tests/device/suite_device.h"

@@ -5,7 +5,7 @@
 #include <csignal>
 #include <fstream>
 
-#include "src/parallel/mpi_ranks.h"
+#include "src/parallel/communication/mpi_ranks.h"
 
 namespace sluice {
 namespace {

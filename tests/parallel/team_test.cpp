@@ -5,7 +5,7 @@
 #include <atomic>
 
 #include "src/base/error.h"
-#include "src/parallel/in_process.h"
+#include "src/parallel/communication/in_process.h"
 
 namespace sluice {
 namespace {

@@ -8,7 +8,7 @@
 #include "io/headers/decode_options.h"
 #include "io/web/address.h"
 #include "src/index/index_file.h"
-#include "src/parallel/mpi_ranks.h"
+#include "src/parallel/communication/mpi_ranks.h"
 
 namespace sluice {
 

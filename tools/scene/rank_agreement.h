@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "src/parallel/team.h"
+#include "src/parallel/communication/team.h"
 #include "src/render/camera/camera.h"
 #include "tools/scene/open_scene.h"
 

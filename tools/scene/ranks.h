@@ -8,9 +8,9 @@
 
 #include <functional>
 
+#include "src/parallel/communication/mpi_ranks.h"
+#include "src/parallel/communication/team.h"
 #include "src/parallel/compositing.h"
-#include "src/parallel/mpi_ranks.h"
-#include "src/parallel/team.h"
 #include "tools/options/arguments.h"
 
 namespace sluice {

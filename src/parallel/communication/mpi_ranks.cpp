@@ -1,4 +1,4 @@
-#include "src/parallel/mpi_ranks.h"
+#include "src/parallel/communication/mpi_ranks.h"
 
 #include <dlfcn.h>
 
@@ -8,7 +8,7 @@
 
 #include "src/base/error.h"
 #include "src/base/files/program_module.h"
-#include "src/parallel/mpi_module.h"
+#include "src/parallel/communication/mpi_module.h"
 
 namespace sluice {
 namespace {

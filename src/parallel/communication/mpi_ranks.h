@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-#include "src/parallel/communicator.h"
+#include "src/parallel/communication/communicator.h"
 
 namespace sluice {
 

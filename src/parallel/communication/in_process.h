@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "src/parallel/team.h"
+#include "src/parallel/communication/team.h"
 
 namespace sluice {
 

@@ -1,4 +1,4 @@
-#include "src/parallel/in_process.h"
+#include "src/parallel/communication/in_process.h"
 
 #include <atomic>
 #include <chrono>

@@ -1,4 +1,4 @@
-#include "src/parallel/team.h"
+#include "src/parallel/communication/team.h"
 
 #include <algorithm>
 #include <cstring>

@@ -1,5 +1,8 @@
 // Communicator: how the ranks of a run reach one another. Behind it is MPI or threads of one
 // process. All ranks make the same calls in the same order. One thread a rank.
+//
+// The folder: communicators of MPI (mpi_ranks.h, mpi_module.h) and of threads (in_process.h), and
+// how ranks end together when one fails (team.h).
 #pragma once
 
 #include <cstddef>

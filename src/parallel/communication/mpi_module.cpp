@@ -1,5 +1,5 @@
 // A communicator of MPI's, as a library that is opened at run time. See mpi_module.h.
-#include "src/parallel/mpi_module.h"
+#include "src/parallel/communication/mpi_module.h"
 
 #include <dlfcn.h>
 #include <mpi.h>

@@ -12,7 +12,7 @@
 #include <string_view>
 #include <vector>
 
-#include "src/parallel/communicator.h"
+#include "src/parallel/communication/communicator.h"
 
 namespace sluice {
 

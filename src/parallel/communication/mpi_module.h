@@ -8,7 +8,7 @@
 
 #include <memory>
 
-#include "src/parallel/communicator.h"
+#include "src/parallel/communication/communicator.h"
 
 namespace sluice {
 
