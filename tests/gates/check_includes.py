@@ -101,6 +101,7 @@ PARTS = {
     'src/library/drawing/files': 'src/library',
     'src/library/drawing/scene': 'src/library',
     'src/library/opening': 'src/library',
+    'src/library/opening/levels': 'src/library',
     'src/visibility/occlusion': 'src/visibility',
     'src/visibility/plenoptic': 'src/visibility',
     'src/parallel/communication': 'src/parallel',

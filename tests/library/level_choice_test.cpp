@@ -1,5 +1,5 @@
 // The levels that a volume is opened with: a case a row.
-#include "src/library/opening/level_choice.h"
+#include "src/library/opening/levels/level_choice.h"
 
 #include <gtest/gtest.h>
 

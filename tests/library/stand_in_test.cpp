@@ -1,5 +1,5 @@
 // A coarse level in place of a finest one that was not read.
-#include "src/library/opening/stand_in.h"
+#include "src/library/opening/levels/stand_in.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // A part of a volume's voxels, evenly spread.
-#include "src/library/opening/volume_sample.h"
+#include "src/library/opening/levels/volume_sample.h"
 
 #include <gtest/gtest.h>
 

@@ -14,10 +14,10 @@
 #include "src/base/values/read_units.h"
 #include "src/base/values/volume_levels.h"
 #include "src/library/drawing/scene/resources.h"
-#include "src/library/opening/coarsest_level.h"
-#include "src/library/opening/side_levels.h"
+#include "src/library/opening/levels/coarsest_level.h"
+#include "src/library/opening/levels/side_levels.h"
+#include "src/library/opening/levels/volume_sample.h"
 #include "src/library/opening/step_ranges.h"
-#include "src/library/opening/volume_sample.h"
 #include "src/volume/byte_order_hint.h"
 
 namespace sluice {

@@ -1,5 +1,9 @@
 // IndexedVolume: a volume with everything known about it without its voxels (the min-max arrays and
 // value counts); no device. Pictures, plans and simulations start from it.
+//
+// The folder: here, opening a source (checked_source.h) and finding out what is known of its steps
+// and channels (step_ranges.h, shown_channels.h). levels/ has the levels of resolution that it is
+// opened with, and coarse values that stand for fine ones until these are known.
 #pragma once
 
 #include <cstdint>
@@ -15,9 +19,9 @@
 #include "src/base/threads/worker_pool.h"
 #include "src/index/indexed_ranges.h"
 #include "src/library/drawing/scene/chosen_look.h"
-#include "src/library/opening/level_choice.h"
+#include "src/library/opening/levels/level_choice.h"
+#include "src/library/opening/levels/stand_in.h"
 #include "src/library/opening/shown_channels.h"
-#include "src/library/opening/stand_in.h"
 #include "src/library/requests.h"
 #include "src/render/blocks/time_step.h"
 

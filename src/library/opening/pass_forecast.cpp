@@ -7,7 +7,7 @@
 #include "src/base/values/volume_levels.h"
 #include "src/library/drawing/cost/picture_cost.h"
 #include "src/library/drawing/scene/resources.h"
-#include "src/library/opening/stand_in.h"
+#include "src/library/opening/levels/stand_in.h"
 #include "src/volume/pyramid.h"
 
 namespace sluice {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "src/library/opening/side_levels.h"
+#include "src/library/opening/levels/side_levels.h"
 
 namespace sluice {
 namespace {

@@ -1,4 +1,4 @@
-#include "src/library/opening/side_levels.h"
+#include "src/library/opening/levels/side_levels.h"
 
 #include <fmt/format.h>
 
@@ -14,7 +14,7 @@
 #include "src/base/values/bytes.h"
 #include "src/base/values/digest.h"
 #include "src/base/values/forwarding_source.h"
-#include "src/library/opening/coarsest_level.h"
+#include "src/library/opening/levels/coarsest_level.h"
 #include "src/library/opening/thick_source.h"
 
 namespace sluice {

@@ -1,4 +1,4 @@
-#include "src/library/opening/volume_sample.h"
+#include "src/library/opening/levels/volume_sample.h"
 
 #include <fmt/format.h>
 
@@ -13,7 +13,7 @@
 #include "src/base/threads/clock.h"
 #include "src/base/values/forwarding_source.h"
 #include "src/base/values/read_units.h"
-#include "src/library/opening/coarsest_level.h"
+#include "src/library/opening/levels/coarsest_level.h"
 
 namespace sluice {
 namespace {

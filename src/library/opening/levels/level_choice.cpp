@@ -1,4 +1,4 @@
-#include "src/library/opening/level_choice.h"
+#include "src/library/opening/levels/level_choice.h"
 
 #include <algorithm>
 #include <utility>
@@ -6,9 +6,9 @@
 #include "src/base/values/forwarding_source.h"
 #include "src/base/values/level_kinds.h"
 #include "src/library/drawing/scene/chosen_look.h"
-#include "src/library/opening/coarsest_level.h"
-#include "src/library/opening/side_levels.h"
-#include "src/library/opening/volume_sample.h"
+#include "src/library/opening/levels/coarsest_level.h"
+#include "src/library/opening/levels/side_levels.h"
+#include "src/library/opening/levels/volume_sample.h"
 #include "src/render/blocks/cut/cut_rules.h"
 
 namespace sluice {

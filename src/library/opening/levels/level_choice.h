@@ -1,6 +1,9 @@
 // LevelChoice: the levels of resolution that a volume is opened with. They follow from what
 // pictures need and from what the file has: its own levels, others of its file that hold values of
 // another kind, or levels beside the index (side_levels.h), which may be made now. Nothing is read.
+//
+// The folder: side_levels.h makes and keeps levels of volumes that have none. stand_in.h and
+// volume_sample.h are coarse levels for a first picture before all voxels were passed over.
 #pragma once
 
 #include <memory>

@@ -1,4 +1,4 @@
-#include "src/library/opening/stand_in.h"
+#include "src/library/opening/levels/stand_in.h"
 
 #include <algorithm>
 #include <array>
