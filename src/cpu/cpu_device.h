@@ -32,7 +32,7 @@
 #include "src/cpu/tile_parts.h"
 #include "src/cpu/tiled_picture.h"
 #include "src/device/device.h"
-#include "src/device/picture_rows.h"
+#include "src/device/pictures/picture_rows.h"
 
 namespace sluice {
 

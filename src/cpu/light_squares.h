@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "src/base/threads/worker_pool.h"
-#include "src/device/light_volume.h"
+#include "src/device/shading/light_volume.h"
 
 namespace sluice {
 

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "src/cpu/kernels/kernel_values.h"
-#include "src/device/partial_picture.h"
+#include "src/device/pictures/partial_picture.h"
 
 namespace sluice {
 

@@ -6,7 +6,7 @@
 
 #include "src/base/error.h"
 #include "src/base/memory/large_pages.h"
-#include "src/device/partial_picture.h"
+#include "src/device/pictures/partial_picture.h"
 
 namespace sluice {
 namespace {

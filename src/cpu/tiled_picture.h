@@ -14,7 +14,7 @@
 #include "src/base/threads/stop_token.h"
 #include "src/base/values/picture.h"
 #include "src/cpu/kernels/kernel_values.h"
-#include "src/device/picture_rows.h"
+#include "src/device/pictures/picture_rows.h"
 
 namespace sluice {
 

@@ -4,6 +4,9 @@
 // budgets. The texture cache model decides which chunks are resident, and the device obeys. Calls
 // come from one thread, in this order: beginFrame, then makeResident / evict / draw in any mix,
 // boxes front to back, then endFrame or cancelFrame.
+//
+// The folder: here, the interface and the values that it takes. shading/ defines how a sample looks
+// and pictures/ how pictures are made of samples, alike for all devices.
 #pragma once
 
 #include <algorithm>
@@ -16,7 +19,7 @@
 #include "src/base/values/picture.h"
 #include "src/device/chunk_texels.h"
 #include "src/device/frame_values.h"
-#include "src/device/partial_picture.h"
+#include "src/device/pictures/partial_picture.h"
 
 namespace sluice {
 

@@ -20,10 +20,10 @@
 
 #include "src/base/looks/surface_look.h"
 #include "src/base/values/vec.h"
-#include "src/device/expected_look.h"
-#include "src/device/light_volume.h"
-#include "src/device/lighting.h"
 #include "src/device/mode.h"
+#include "src/device/shading/expected_look.h"
+#include "src/device/shading/light_volume.h"
+#include "src/device/shading/lighting.h"
 #include "src/device/view_values.h"
 #include "src/volume/device_voxel.h"
 

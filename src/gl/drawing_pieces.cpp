@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "src/device/drawing_cost.h"
-#include "src/device/picture_rows.h"
+#include "src/device/pictures/picture_rows.h"
 
 namespace sluice {
 

@@ -17,8 +17,8 @@
 #include <vector>
 
 #include "src/device/device.h"
-#include "src/device/picture_rows.h"
-#include "src/device/screen_picture.h"
+#include "src/device/pictures/picture_rows.h"
+#include "src/device/pictures/screen_picture.h"
 #include "src/gl/blended_drawing.h"
 #include "src/gl/contexts/context.h"
 #include "src/gl/drawing_pieces.h"

@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
-#include "src/device/blue_noise.h"
 #include "src/device/chunk_texels.h"
+#include "src/device/pictures/blue_noise.h"
 #include "src/gl/shaders/shading.h"
 
 namespace sluice {

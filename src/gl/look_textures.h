@@ -4,8 +4,8 @@
 // The context must be current in every call.
 #pragma once
 
-#include "src/device/integrated_look.h"
-#include "src/device/look_up_texels.h"
+#include "src/device/shading/integrated_look.h"
+#include "src/device/shading/look_up_texels.h"
 #include "src/gl/contexts/gl_functions.h"
 #include "src/gl/shaders/gl_program.h"
 #include "src/gl/shaders/shaders.h"

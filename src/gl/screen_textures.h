@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "src/device/frame_values.h"
-#include "src/device/screen_picture.h"
+#include "src/device/pictures/screen_picture.h"
 #include "src/gl/contexts/gl_functions.h"
 #include "src/gl/shaders/gl_program.h"
 

@@ -6,7 +6,7 @@
 
 #include "src/base/error.h"
 #include "src/base/threads/clock.h"
-#include "src/device/look_up_texels.h"
+#include "src/device/shading/look_up_texels.h"
 
 namespace sluice {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "src/base/threads/worker_pool.h"
 #include "src/base/values/picture.h"
-#include "src/device/partial_picture.h"
+#include "src/device/pictures/partial_picture.h"
 #include "src/parallel/communication/team.h"
 
 namespace sluice {

@@ -10,7 +10,7 @@
 #include <cstring>
 #include <vector>
 
-#include "src/device/look_up_texels.h"
+#include "src/device/shading/look_up_texels.h"
 #include "src/render/camera/frame_setup.h"
 #include "tests/cpu/test_device.h"
 #include "tests/support/plain_device.h"

@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "src/cpu/leap_grid.h"
-#include "src/device/expected_look.h"
+#include "src/device/shading/expected_look.h"
 #include "tests/support/plain_sampling.h"
 
 namespace sluice {

@@ -1,5 +1,5 @@
 // Expected opacities and colours against sums over many values.
-#include "src/device/expected_look.h"
+#include "src/device/shading/expected_look.h"
 
 #include <gtest/gtest.h>
 

@@ -93,6 +93,8 @@ PARTS = {
     'io/zarr/levels': 'io/zarr',
     'io/zarr/packing': 'io/zarr',
     'io/zarr/reading': 'io/zarr',
+    'src/device/pictures': 'src/device',
+    'src/device/shading': 'src/device',
     'src/cpu/kernels': 'src/cpu',
     'src/gl/contexts': 'src/gl',
     'src/gl/shaders': 'src/gl',

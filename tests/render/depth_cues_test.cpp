@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include "src/device/blue_noise.h"
+#include "src/device/pictures/blue_noise.h"
 #include "src/render/camera/index_space.h"
 #include "tests/render/blob_scene.h"
 #include "tests/render/right_picture.h"

@@ -1,7 +1,7 @@
 // A light that makes the normals of a picture's surfaces visible.
 #pragma once
 
-#include "src/device/lighting.h"
+#include "src/device/shading/lighting.h"
 
 namespace sluice {
 

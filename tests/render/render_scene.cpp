@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <limits>
 
-#include "src/device/blue_noise.h"
+#include "src/device/pictures/blue_noise.h"
 #include "src/render/camera/index_space.h"
 #include "tests/device/suite_device.h"
 

@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "src/base/error.h"
-#include "src/device/depth_code.h"
+#include "src/device/pictures/depth_code.h"
 #include "tests/support/plain_lighting.h"
 #include "tests/support/plain_rays.h"
 #include "tests/support/plain_sampling.h"

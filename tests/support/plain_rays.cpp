@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "src/device/blue_noise.h"
+#include "src/device/pictures/blue_noise.h"
 
 namespace sluice {
 namespace {

@@ -1,4 +1,4 @@
-// The light of a sample for the reference renderer, as src/device/lighting.h defines it.
+// The light of a sample for the reference renderer, as src/device/shading/lighting.h defines it.
 #pragma once
 
 #include <array>

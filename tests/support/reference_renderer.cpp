@@ -18,7 +18,7 @@
 namespace sluice {
 namespace {
 
-// The most light that white reflects with the default lighting (src/device/lighting.h).
+// The most light that white reflects with the default lighting (src/device/shading/lighting.h).
 constexpr double kBrightestLit = 1.5;
 
 class Renderer {

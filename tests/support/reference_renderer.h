@@ -1,5 +1,5 @@
 // The independent reference: the picture as the contracts of src/render/camera/camera.h,
-// src/device/lighting.h and src/classify/transfer/transfer_function.h define it, in plain
+// src/device/shading/lighting.h and src/classify/transfer/transfer_function.h define it, in plain
 // double-precision loops over the pixels and the slices of a View. No blocks, no skipping, no
 // tables, and nothing of the renderer but those structs.
 //
@@ -26,7 +26,7 @@
 
 #include "src/base/values/volume_source.h"
 #include "src/classify/transfer/transfer_function.h"
-#include "src/device/lighting.h"
+#include "src/device/shading/lighting.h"
 #include "src/render/camera/camera.h"
 #include "tests/support/float_picture.h"
 

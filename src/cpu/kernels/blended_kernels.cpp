@@ -17,8 +17,8 @@
 #include "src/cpu/kernels/kernel_values.h"
 #include "src/cpu/kernels/packed_entries.h"
 #include "src/cpu/leap_grid.h"
-#include "src/device/blue_noise.h"
-#include "src/device/rough_light.h"
+#include "src/device/pictures/blue_noise.h"
+#include "src/device/shading/rough_light.h"
 
 #if SLUICE_HAS_KERNELS
 HWY_BEFORE_NAMESPACE();

@@ -5,8 +5,8 @@
 
 #include "src/base/error.h"
 #include "src/cpu/kernels/floats.h"
-#include "src/device/depth_code.h"
-#include "src/device/label_shares.h"
+#include "src/device/pictures/depth_code.h"
+#include "src/device/shading/label_shares.h"
 
 namespace sluice {
 namespace {

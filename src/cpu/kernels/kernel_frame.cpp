@@ -6,8 +6,8 @@
 
 #include "src/base/error.h"
 #include "src/cpu/kernels/floats.h"
-#include "src/device/blue_noise.h"
-#include "src/device/rough_light.h"
+#include "src/device/pictures/blue_noise.h"
+#include "src/device/shading/rough_light.h"
 
 namespace sluice {
 namespace {

@@ -8,8 +8,8 @@
 
 #include "src/cpu/kernels/kernel_values.h"
 #include "src/cpu/kernels/packed_entries.h"
-#include "src/device/integrated_look.h"
-#include "src/device/look_up_texels.h"
+#include "src/device/shading/integrated_look.h"
+#include "src/device/shading/look_up_texels.h"
 
 namespace sluice {
 

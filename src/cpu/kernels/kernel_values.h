@@ -13,7 +13,7 @@
 
 #include "src/base/looks/channel_look.h"
 #include "src/device/frame_values.h"
-#include "src/device/integrated_look.h"
+#include "src/device/shading/integrated_look.h"
 
 namespace sluice {
 

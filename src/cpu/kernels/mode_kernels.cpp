@@ -14,8 +14,8 @@
 #include "src/cpu/kernels/kernel_set.h"
 #include "src/cpu/kernels/kernel_values.h"
 #include "src/cpu/kernels/packed_entries.h"
-#include "src/device/blue_noise.h"
-#include "src/device/depth_code.h"
+#include "src/device/pictures/blue_noise.h"
+#include "src/device/pictures/depth_code.h"
 
 #if SLUICE_HAS_KERNELS
 HWY_BEFORE_NAMESPACE();

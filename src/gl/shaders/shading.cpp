@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "src/device/depth_code.h"
-#include "src/device/look_up_texels.h"
-#include "src/device/rough_light.h"
+#include "src/device/pictures/depth_code.h"
+#include "src/device/shading/look_up_texels.h"
+#include "src/device/shading/rough_light.h"
 
 namespace sluice {
 namespace {

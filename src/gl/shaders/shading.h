@@ -1,13 +1,13 @@
-// The uniforms for the view, and for gradients, lights and factors (src/device/lighting.h) in the
-// shaders' units: texel values, and differences along the volume's axes instead of directions, so
-// that a sample is lit without turning its gradient into the world. Pure functions.
+// The uniforms for the view, and for gradients, lights and factors (src/device/shading/lighting.h)
+// in the shaders' units: texel values, and differences along the volume's axes instead of
+// directions, so that a sample is lit without turning its gradient into the world. Pure functions.
 #pragma once
 
 #include <array>
 #include <vector>
 
 #include "src/device/frame_values.h"
-#include "src/device/picture_rows.h"
+#include "src/device/pictures/picture_rows.h"
 #include "src/gl/shaders/gl_program.h"
 #include "src/gl/shaders/shaders.h"
 

@@ -20,7 +20,7 @@
 #include <string>
 #include <vector>
 
-#include "src/device/screen_picture.h"
+#include "src/device/pictures/screen_picture.h"
 #include "src/library/drawing/scene/scene.h"
 #include "src/library/opening/opened_volume.h"
 #include "src/library/progress_relay.h"

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "src/device/screen_picture.h"
+#include "src/device/pictures/screen_picture.h"
 #include "src/library/drawing/view_fit.h"
 #include "src/library/opening/step_ranges.h"
 #include "src/render/camera/camera_framing.h"

@@ -12,7 +12,7 @@
 #include "src/base/threads/stop_token.h"
 #include "src/classify/transfer/transfer_function.h"
 #include "src/device/frame_values.h"
-#include "src/device/lighting.h"
+#include "src/device/shading/lighting.h"
 #include "src/render/camera/camera.h"
 #include "src/render/camera/cut_options.h"
 #include "src/render/frame/frame_occlusion.h"

@@ -5,7 +5,7 @@
 
 #include "src/base/error.h"
 #include "src/base/threads/clock.h"
-#include "src/device/picture_rows.h"
+#include "src/device/pictures/picture_rows.h"
 #include "src/render/frame/level_borders.h"
 #include "src/render/frame/loaded_boxes.h"
 #include "src/texture/frame_trace.h"

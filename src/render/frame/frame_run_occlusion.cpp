@@ -3,7 +3,7 @@
 
 #include "src/base/error.h"
 #include "src/base/threads/clock.h"
-#include "src/device/picture_rows.h"
+#include "src/device/pictures/picture_rows.h"
 #include "src/render/frame/frame_run.h"
 
 namespace sluice {

@@ -11,7 +11,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "src/device/light_volume.h"
+#include "src/device/shading/light_volume.h"
 #include "src/render/blocks/memo.h"
 #include "src/render/camera/camera.h"
 #include "src/render/camera/frame_options.h"

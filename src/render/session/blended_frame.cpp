@@ -10,7 +10,7 @@
 
 #include "src/base/error.h"
 #include "src/base/threads/clock.h"
-#include "src/device/picture_rows.h"
+#include "src/device/pictures/picture_rows.h"
 #include "src/render/camera/frame_setup.h"
 #include "src/render/frame/draw_order.h"
 #include "src/render/frame/loaded_boxes.h"

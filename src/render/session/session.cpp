@@ -6,7 +6,7 @@
 #include "src/base/error.h"
 #include "src/base/threads/clock.h"
 #include "src/device/chunk_texels.h"
-#include "src/device/look_up_texels.h"
+#include "src/device/shading/look_up_texels.h"
 #include "src/render/blocks/cut/cut_rules.h"
 #include "src/render/camera/pixel_sizes.h"
 #include "src/render/frame/loaded_boxes.h"

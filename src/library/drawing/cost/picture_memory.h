@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "src/device/picture_rows.h"
+#include "src/device/pictures/picture_rows.h"
 #include "src/library/requests.h"
 #include "src/render/camera/frame_options.h"
 

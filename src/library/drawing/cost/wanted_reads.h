@@ -8,7 +8,7 @@
 
 #include "src/base/values/voxel_type.h"
 #include "src/device/frame_values.h"
-#include "src/device/picture_rows.h"
+#include "src/device/pictures/picture_rows.h"
 #include "src/texture/texture_plan.h"
 
 namespace sluice {

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "src/device/look_up_texels.h"
+#include "src/device/shading/look_up_texels.h"
 
 namespace sluice {
 

@@ -2,7 +2,7 @@
 // generation", 1993): pixels get their ranks one after the other, each where those that have one
 // are farthest away. Their energies are whole numbers, so that no compiler's rounding changes the
 // order.
-#include "src/device/blue_noise.h"
+#include "src/device/pictures/blue_noise.h"
 
 #include <algorithm>
 #include <cmath>

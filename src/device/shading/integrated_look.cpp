@@ -1,4 +1,4 @@
-#include "src/device/integrated_look.h"
+#include "src/device/shading/integrated_look.h"
 
 #include <algorithm>
 #include <array>

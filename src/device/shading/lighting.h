@@ -1,5 +1,8 @@
 // Lighting: Phong with two directional lights fixed to the camera (Li 2003, section 5).
 //
+// The folder: the light of samples, and the tables of opacities and colours that devices look up
+// (expected_look.h, integrated_look.h, look_up_texels.h).
+//
 // At a sample, g is the central difference of the interpolated values one texel to either side
 // along each index axis (positions clamped to the volume), divided by twice the distance of texels
 // in the world and turned to world directions. With n = g / |g|, w = |g|^2 / (|g|^2 + flat^2),

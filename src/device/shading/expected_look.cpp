@@ -1,4 +1,4 @@
-#include "src/device/expected_look.h"
+#include "src/device/shading/expected_look.h"
 
 #include <algorithm>
 #include <array>

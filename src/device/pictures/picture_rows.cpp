@@ -1,4 +1,4 @@
-#include "src/device/picture_rows.h"
+#include "src/device/pictures/picture_rows.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,9 @@
 // PartialPicture: the picture of some boxes, while other devices or ranks draw the rest. It is
 // packed: only pixels that show something, layer by layer, tile by tile.
 //
+// The folder: parts and rows of a picture, pictures on a screen (screen_picture.h), and numbers of
+// their pixels (depth_code.h, blue_noise.h).
+//
 // A layer is a set of boxes none of which hides another. Layers are numbered front to back, alike
 // on all devices that draw parts of the picture, so that blending the parts in the order of layers
 // is exact however the boxes interleave. Modes that need no order have one layer.

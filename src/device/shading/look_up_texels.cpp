@@ -1,6 +1,6 @@
-#include "src/device/look_up_texels.h"
+#include "src/device/shading/look_up_texels.h"
 
-#include "src/device/depth_code.h"
+#include "src/device/pictures/depth_code.h"
 
 #include <algorithm>
 #include <cmath>

@@ -13,7 +13,7 @@
 
 #include <algorithm>
 
-#include "src/device/lighting.h"
+#include "src/device/shading/lighting.h"
 
 namespace sluice {
 

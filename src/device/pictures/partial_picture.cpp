@@ -1,4 +1,4 @@
-#include "src/device/partial_picture.h"
+#include "src/device/pictures/partial_picture.h"
 
 #include <algorithm>
 
