@@ -10,7 +10,7 @@
 
 #include "io/named_input.h"
 #include "io/open_options.h"
-#include "src/base/values/volume_source.h"
+#include "src/base/sources/volume_source.h"
 
 namespace sluice {
 

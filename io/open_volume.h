@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "io/open_options.h"
-#include "src/base/values/volume_source.h"
+#include "src/base/sources/volume_source.h"
 
 namespace sluice {
 

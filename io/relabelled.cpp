@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "src/base/values/forwarding_source.h"
+#include "src/base/sources/forwarding_source.h"
 
 namespace sluice {
 namespace {

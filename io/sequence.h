@@ -13,9 +13,9 @@
 #include <utility>
 #include <vector>
 
+#include "src/base/sources/volume_channels.h"
+#include "src/base/sources/volume_source.h"
 #include "src/base/threads/mutex.h"
-#include "src/base/values/volume_channels.h"
-#include "src/base/values/volume_source.h"
 
 namespace sluice {
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "src/base/values/volume_source.h"
+#include "src/base/sources/volume_source.h"
 
 namespace sluice {
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "io/dicom/dicom_stack.h"
-#include "src/base/values/volume_source.h"
+#include "src/base/sources/volume_source.h"
 
 namespace sluice {
 

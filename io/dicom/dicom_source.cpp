@@ -17,7 +17,7 @@
 #include "io/files/plane_bands.h"
 #include "src/base/error.h"
 #include "src/base/files/program_module.h"
-#include "src/base/values/read_units.h"
+#include "src/base/sources/read_units.h"
 
 namespace sluice {
 namespace {

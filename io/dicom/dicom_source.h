@@ -19,8 +19,8 @@
 #include <string>
 #include <vector>
 
+#include "src/base/sources/volume_source.h"
 #include "src/base/threads/stop_token.h"
-#include "src/base/values/volume_source.h"
 
 namespace sluice {
 

@@ -11,9 +11,9 @@
 #include <span>
 #include <string>
 
+#include "src/base/sources/volume_levels.h"
+#include "src/base/sources/volume_source.h"
 #include "src/base/values/vec.h"
-#include "src/base/values/volume_levels.h"
-#include "src/base/values/volume_source.h"
 
 namespace sluice {
 

@@ -10,7 +10,7 @@
 #include <string>
 
 #include "io/zarr/reading/chunked_source.h"
-#include "src/base/values/volume_source.h"
+#include "src/base/sources/volume_source.h"
 
 namespace sluice {
 

@@ -11,7 +11,7 @@
 #include "io/files/file.h"
 #include "io/headers/decode_options.h"
 #include "io/headers/volume_description.h"
-#include "src/base/values/volume_source.h"
+#include "src/base/sources/volume_source.h"
 
 namespace sluice {
 

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "io/headers/file_set.h"
-#include "src/base/values/volume_source.h"
+#include "src/base/sources/volume_source.h"
 
 namespace sluice {
 

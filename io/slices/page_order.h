@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "src/base/sources/volume_channels.h"
 #include "src/base/values/vec.h"
-#include "src/base/values/volume_channels.h"
 
 namespace sluice {
 

@@ -11,10 +11,10 @@
 #include "io/slices/ome_set.h"
 #include "io/slices/slice_picture.h"
 #include "src/base/error.h"
+#include "src/base/sources/read_units.h"
+#include "src/base/sources/volume_channels.h"
+#include "src/base/sources/volume_levels.h"
 #include "src/base/threads/mutex.h"
-#include "src/base/values/read_units.h"
-#include "src/base/values/volume_channels.h"
-#include "src/base/values/volume_levels.h"
 
 namespace sluice {
 namespace {

@@ -17,8 +17,8 @@
 #include <vector>
 
 #include "io/files/channel_choice.h"
+#include "src/base/sources/volume_source.h"
 #include "src/base/threads/stop_token.h"
-#include "src/base/values/volume_source.h"
 
 namespace sluice {
 

@@ -10,8 +10,8 @@
 #include <span>
 #include <vector>
 
-#include "src/base/values/volume_levels.h"
-#include "src/base/values/volume_source.h"
+#include "src/base/sources/volume_levels.h"
+#include "src/base/sources/volume_source.h"
 
 namespace sluice {
 

@@ -11,8 +11,8 @@
 #include <string>
 #include <string_view>
 
-#include "src/base/values/synth_name.h"
-#include "src/base/values/volume_source.h"
+#include "src/base/sources/synth_name.h"
+#include "src/base/sources/volume_source.h"
 
 namespace sluice {
 

@@ -15,7 +15,7 @@
 #include "io/files/byte_store.h"
 #include "io/vdb/vdb_check.h"
 #include "io/vdb/vdb_header.h"
-#include "src/base/values/volume_source.h"
+#include "src/base/sources/volume_source.h"
 
 namespace sluice {
 

@@ -24,7 +24,7 @@
 #include <optional>
 #include <string>
 
-#include "src/base/values/volume_source.h"
+#include "src/base/sources/volume_source.h"
 
 namespace sluice {
 

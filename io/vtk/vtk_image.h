@@ -14,8 +14,8 @@
 #include <vector>
 
 #include "io/files/xml_scanner.h"
+#include "src/base/sources/volume_source.h"
 #include "src/base/values/vec.h"
-#include "src/base/values/volume_source.h"
 #include "src/base/values/voxel_type.h"
 
 namespace sluice {

@@ -12,7 +12,7 @@
 #include "io/vtk/vtk_image.h"
 #include "src/base/error.h"
 #include "src/base/files/json_field.h"
-#include "src/base/values/volume_channels.h"
+#include "src/base/sources/volume_channels.h"
 
 namespace sluice {
 namespace {

@@ -12,7 +12,7 @@
 
 #include "io/files/channel_choice.h"
 #include "io/headers/decode_options.h"
-#include "src/base/values/volume_source.h"
+#include "src/base/sources/volume_source.h"
 
 namespace sluice {
 

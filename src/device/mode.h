@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "src/base/values/volume_levels.h"
+#include "src/base/sources/volume_levels.h"
 
 namespace sluice {
 

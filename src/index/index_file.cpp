@@ -16,7 +16,7 @@
 #include "src/base/files/atomic_file.h"
 #include "src/base/files/descriptor.h"
 #include "src/base/memory/large_pages.h"
-#include "src/base/values/synth_name.h"
+#include "src/base/sources/synth_name.h"
 
 namespace sluice {
 namespace {

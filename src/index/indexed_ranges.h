@@ -8,10 +8,10 @@
 #include <optional>
 #include <string>
 
+#include "src/base/sources/voxel_taker.h"
 #include "src/base/threads/progress_meter.h"
 #include "src/base/threads/stop_token.h"
 #include "src/base/threads/worker_pool.h"
-#include "src/base/values/voxel_taker.h"
 #include "src/index/index_file.h"
 #include "src/volume/brick_ranges.h"
 #include "src/volume/slice_ranges.h"

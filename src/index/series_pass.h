@@ -11,10 +11,10 @@
 #include <memory>
 #include <vector>
 
+#include "src/base/sources/volume_source.h"
 #include "src/base/threads/progress_meter.h"
 #include "src/base/threads/stop_token.h"
 #include "src/base/threads/worker_pool.h"
-#include "src/base/values/volume_source.h"
 #include "src/index/stale_check.h"
 #include "src/visibility/plenoptic/extinction.h"
 #include "src/visibility/plenoptic/series_opacity.h"

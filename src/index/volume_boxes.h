@@ -10,10 +10,10 @@
 #include <functional>
 #include <span>
 
+#include "src/base/sources/volume_source.h"
 #include "src/base/threads/progress_meter.h"
 #include "src/base/threads/stop_token.h"
 #include "src/base/threads/worker_pool.h"
-#include "src/base/values/volume_source.h"
 #include "src/classify/boxes/box_tree.h"
 #include "src/classify/transfer/opacity_table.h"
 #include "src/volume/slice_ranges.h"

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "src/base/values/volume_source.h"
+#include "src/base/sources/volume_source.h"
 #include "src/parallel/communication/team.h"
 #include "src/volume/slice_ranges.h"
 

@@ -16,8 +16,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "src/base/sources/volume_source.h"
 #include "src/base/values/vec.h"
-#include "src/base/values/volume_source.h"
 #include "src/render/camera/camera.h"
 
 namespace sluice {

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "src/base/values/volume_levels.h"
+#include "src/base/sources/volume_levels.h"
 #include "src/surface/inside_set.h"
 #include "src/volume/block_layout.h"
 #include "src/volume/slice_ranges.h"

@@ -7,7 +7,7 @@
 #include <functional>
 #include <vector>
 
-#include "src/base/values/volume_source.h"
+#include "src/base/sources/volume_source.h"
 #include "src/surface/pieces.h"
 #include "src/volume/device_reader.h"
 

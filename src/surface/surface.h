@@ -23,10 +23,10 @@
 #include <functional>
 
 #include "io/meshes/mesh_file.h"
+#include "src/base/sources/volume_source.h"
 #include "src/base/threads/progress_meter.h"
 #include "src/base/threads/stop_token.h"
 #include "src/base/threads/worker_pool.h"
-#include "src/base/values/volume_source.h"
 #include "src/surface/block_states.h"
 #include "src/surface/inside_set.h"
 #include "src/surface/pieces.h"

@@ -5,8 +5,8 @@
 #include <array>
 
 #include "io/meshes/mesh_file.h"
-#include "src/base/values/volume_levels.h"
-#include "src/base/values/volume_source.h"
+#include "src/base/sources/volume_levels.h"
+#include "src/base/sources/volume_source.h"
 
 namespace sluice {
 

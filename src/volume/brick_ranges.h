@@ -14,9 +14,9 @@
 #include <utility>
 #include <vector>
 
+#include "src/base/sources/volume_source.h"
+#include "src/base/sources/voxel_taker.h"
 #include "src/base/threads/mutex.h"
-#include "src/base/values/volume_source.h"
-#include "src/base/values/voxel_taker.h"
 #include "src/volume/block_ranges.h"
 #include "src/volume/device_voxel.h"
 #include "src/volume/slice_ranges.h"

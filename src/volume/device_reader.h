@@ -11,7 +11,7 @@
 #include <span>
 
 #include "src/base/memory/aligned_array.h"
-#include "src/base/values/volume_source.h"
+#include "src/base/sources/volume_source.h"
 #include "src/volume/device_voxel.h"
 
 namespace sluice {

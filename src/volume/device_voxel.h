@@ -15,7 +15,7 @@
 #include <cstdint>
 #include <span>
 
-#include "src/base/values/volume_source.h"
+#include "src/base/sources/volume_source.h"
 
 namespace sluice {
 

@@ -4,8 +4,8 @@
 
 #include <type_traits>
 
+#include "src/base/sources/volume_source.h"
 #include "src/base/values/vec.h"
-#include "src/base/values/volume_source.h"
 #include "src/volume/block_ranges.h"
 #include "src/volume/device_voxel.h"
 

@@ -8,7 +8,7 @@
 #include <optional>
 #include <vector>
 
-#include "src/base/values/volume_source.h"
+#include "src/base/sources/volume_source.h"
 #include "src/volume/block_layout.h"
 
 namespace sluice {

@@ -16,7 +16,7 @@
 #include <string>
 #include <vector>
 
-#include "src/base/values/volume_levels.h"
+#include "src/base/sources/volume_levels.h"
 #include "src/volume/block_layout.h"
 #include "src/volume/block_name.h"
 

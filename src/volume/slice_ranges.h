@@ -14,11 +14,11 @@
 #include <span>
 #include <vector>
 
+#include "src/base/sources/volume_source.h"
 #include "src/base/threads/progress_meter.h"
 #include "src/base/threads/stop_token.h"
 #include "src/base/threads/worker_pool.h"
 #include "src/base/values/value_counts.h"
-#include "src/base/values/volume_source.h"
 #include "src/volume/block_layout.h"
 #include "src/volume/device_voxel.h"
 

@@ -24,9 +24,9 @@
 #include <vector>
 
 #include "src/base/memory/buffer_memory.h"
+#include "src/base/sources/volume_source.h"
 #include "src/base/threads/counters.h"
 #include "src/base/threads/single_flight_cache.h"
-#include "src/base/values/volume_source.h"
 #include "src/volume/block_layout.h"
 #include "src/volume/block_name.h"
 #include "src/volume/device_reader.h"

@@ -6,9 +6,9 @@
 #include <functional>
 #include <vector>
 
+#include "src/base/sources/voxel_taker.h"
 #include "src/base/threads/stop_token.h"
 #include "src/base/threads/worker_pool.h"
-#include "src/base/values/voxel_taker.h"
 #include "src/volume/block_layout.h"
 #include "src/volume/pass_pieces.h"
 

@@ -4,7 +4,7 @@
 #include <limits>
 #include <vector>
 
-#include "src/base/values/volume_source.h"
+#include "src/base/sources/volume_source.h"
 #include "src/classify/boxes/brick_grid.h"
 #include "src/volume/device_voxel.h"
 

@@ -83,6 +83,7 @@ PARTS = {
     'src/base/looks': 'src/base',
     'src/base/threads': 'src/base',
     'src/base/memory': 'src/base',
+    'src/base/sources': 'src/base',
     'src/base/values': 'src/base',
     'io/headers/meta_image': 'io/headers',
     'io/headers/nifti': 'io/headers',

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "src/base/error.h"
-#include "src/base/values/volume_source.h"
+#include "src/base/sources/volume_source.h"
 #include "tests/support/error_of.h"
 #include "tests/support/run_command.h"
 #include "tests/support/temp_folder.h"

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "src/base/values/level_kinds.h"
+#include "src/base/sources/level_kinds.h"
 #include "tests/support/function_source.h"
 
 namespace sluice {

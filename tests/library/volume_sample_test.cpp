@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "src/base/values/read_units.h"
+#include "src/base/sources/read_units.h"
 #include "tests/support/counting_source.h"
 #include "tests/support/function_source.h"
 

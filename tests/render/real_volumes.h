@@ -8,7 +8,7 @@
 #include <span>
 #include <string>
 
-#include "src/base/values/volume_source.h"
+#include "src/base/sources/volume_source.h"
 #include "src/classify/transfer/transfer_function.h"
 #include "src/volume/slice_ranges.h"
 

@@ -12,7 +12,7 @@
 #include <utility>
 
 #include "src/base/error.h"
-#include "src/base/values/volume_source.h"
+#include "src/base/sources/volume_source.h"
 
 namespace sluice {
 

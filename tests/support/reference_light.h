@@ -6,7 +6,7 @@
 #include <array>
 #include <vector>
 
-#include "src/base/values/volume_source.h"
+#include "src/base/sources/volume_source.h"
 #include "src/render/camera/camera.h"
 #include "tests/support/reference_renderer.h"
 #include "tests/support/reference_values.h"

@@ -24,7 +24,7 @@
 #include <optional>
 #include <vector>
 
-#include "src/base/values/volume_source.h"
+#include "src/base/sources/volume_source.h"
 #include "src/classify/transfer/transfer_function.h"
 #include "src/device/shading/lighting.h"
 #include "src/render/camera/camera.h"

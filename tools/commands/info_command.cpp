@@ -5,9 +5,9 @@
 #include <memory>
 #include <string>
 
+#include "src/base/sources/level_kinds.h"
+#include "src/base/sources/volume_levels.h"
 #include "src/base/values/bytes.h"
-#include "src/base/values/level_kinds.h"
-#include "src/base/values/volume_levels.h"
 #include "src/library/opening/thick_source.h"
 #include "src/volume/device_voxel.h"
 #include "src/volume/slice_ranges.h"

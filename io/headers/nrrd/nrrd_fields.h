@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "src/base/error.h"
-#include "src/base/values/volume_source.h"
+#include "src/base/sources/volume_source.h"
 
 namespace sluice {
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "io/headers/decode_options.h"
-#include "src/base/values/volume_source.h"
+#include "src/base/sources/volume_source.h"
 
 namespace sluice {
 

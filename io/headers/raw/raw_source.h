@@ -16,9 +16,9 @@
 
 #include "io/files/byte_store.h"
 #include "src/base/memory/aligned_array.h"
+#include "src/base/sources/read_units.h"
+#include "src/base/sources/volume_source.h"
 #include "src/base/threads/mutex.h"
-#include "src/base/values/read_units.h"
-#include "src/base/values/volume_source.h"
 
 namespace sluice {
 

@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
+#include "src/base/sources/volume_source.h"
 #include "src/base/threads/progress_meter.h"
 #include "src/base/threads/stop_token.h"
 #include "src/base/threads/worker_pool.h"
-#include "src/base/values/volume_source.h"
 
 namespace sluice {
 

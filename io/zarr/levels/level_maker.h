@@ -18,9 +18,9 @@
 
 #include "io/zarr/levels/level_shape.h"
 #include "src/base/memory/aligned_array.h"
+#include "src/base/sources/volume_source.h"
 #include "src/base/threads/mutex.h"
 #include "src/base/values/vec.h"
-#include "src/base/values/volume_source.h"
 
 namespace sluice {
 

@@ -6,7 +6,7 @@
 #include <span>
 
 #include "io/zarr/levels/level_shape.h"
-#include "src/base/values/volume_source.h"
+#include "src/base/sources/volume_source.h"
 
 namespace sluice {
 

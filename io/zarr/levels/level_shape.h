@@ -6,9 +6,9 @@
 #include <optional>
 #include <vector>
 
+#include "src/base/sources/volume_levels.h"
+#include "src/base/sources/volume_source.h"
 #include "src/base/values/vec.h"
-#include "src/base/values/volume_levels.h"
-#include "src/base/values/volume_source.h"
 
 namespace sluice {
 

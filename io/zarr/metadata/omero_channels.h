@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "src/base/values/volume_channels.h"
+#include "src/base/sources/volume_channels.h"
 
 namespace sluice {
 

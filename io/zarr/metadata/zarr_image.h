@@ -20,9 +20,9 @@
 #include <vector>
 
 #include "io/zarr/metadata/zarr_array.h"
-#include "src/base/values/volume_channels.h"
-#include "src/base/values/volume_levels.h"
-#include "src/base/values/volume_source.h"
+#include "src/base/sources/volume_channels.h"
+#include "src/base/sources/volume_levels.h"
+#include "src/base/sources/volume_source.h"
 
 namespace sluice {
 

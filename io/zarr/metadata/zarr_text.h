@@ -8,9 +8,9 @@
 
 #include "io/zarr/metadata/zarr_array.h"
 #include "io/zarr/reading/zarr_codec.h"
-#include "src/base/values/volume_channels.h"
-#include "src/base/values/volume_levels.h"
-#include "src/base/values/volume_source.h"
+#include "src/base/sources/volume_channels.h"
+#include "src/base/sources/volume_levels.h"
+#include "src/base/sources/volume_source.h"
 
 namespace sluice {
 

@@ -10,8 +10,8 @@
 
 #include "io/zarr/packing/zarr_pack_folder.h"
 #include "io/zarr/reading/zarr_codec.h"
+#include "src/base/sources/volume_source.h"
 #include "src/base/threads/mutex.h"
-#include "src/base/values/volume_source.h"
 
 namespace sluice {
 

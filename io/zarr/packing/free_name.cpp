@@ -10,7 +10,7 @@
 #include "io/zarr/metadata/zarr_image.h"
 #include "io/zarr/reading/zarr_checksums.h"
 #include "src/base/error.h"
-#include "src/base/values/level_kinds.h"
+#include "src/base/sources/level_kinds.h"
 
 namespace sluice {
 

@@ -17,9 +17,9 @@
 
 #include "io/zarr/packing/level_packer.h"
 #include "io/zarr/reading/zarr_source.h"
+#include "src/base/sources/volume_levels.h"
+#include "src/base/sources/voxel_taker.h"
 #include "src/base/threads/progress_meter.h"
-#include "src/base/values/volume_levels.h"
-#include "src/base/values/voxel_taker.h"
 
 namespace sluice {
 

@@ -14,9 +14,9 @@
 #include "io/zarr/reading/zarr_source.h"
 #include "src/base/error.h"
 #include "src/base/memory/aligned_array.h"
+#include "src/base/sources/volume_channels.h"
 #include "src/base/threads/clock.h"
 #include "src/base/values/bytes.h"
-#include "src/base/values/volume_channels.h"
 
 namespace sluice {
 namespace {

@@ -15,10 +15,10 @@
 
 #include "io/zarr/levels/level_maker.h"
 #include "io/zarr/reading/zarr_codec.h"
+#include "src/base/sources/volume_source.h"
 #include "src/base/threads/progress_meter.h"
 #include "src/base/threads/stop_token.h"
 #include "src/base/threads/worker_pool.h"
-#include "src/base/values/volume_source.h"
 
 namespace sluice {
 

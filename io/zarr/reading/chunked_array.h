@@ -14,7 +14,7 @@
 #include "io/zarr/metadata/zarr_array.h"
 #include "io/zarr/metadata/zarr_image.h"
 #include "io/zarr/reading/zarr_chunk_cache.h"
-#include "src/base/values/stored_reads.h"
+#include "src/base/sources/stored_reads.h"
 
 namespace sluice {
 

@@ -19,12 +19,12 @@
 #include "io/zarr/metadata/zarr_image.h"
 #include "io/zarr/reading/chunked_array.h"
 #include "io/zarr/reading/zarr_chunk_cache.h"
-#include "src/base/values/level_kinds.h"
-#include "src/base/values/read_units.h"
-#include "src/base/values/stored_reads.h"
-#include "src/base/values/volume_channels.h"
-#include "src/base/values/volume_levels.h"
-#include "src/base/values/volume_source.h"
+#include "src/base/sources/level_kinds.h"
+#include "src/base/sources/read_units.h"
+#include "src/base/sources/stored_reads.h"
+#include "src/base/sources/volume_channels.h"
+#include "src/base/sources/volume_levels.h"
+#include "src/base/sources/volume_source.h"
 
 namespace sluice {
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-#include "src/base/values/volume_source.h"
+#include "src/base/sources/volume_source.h"
 
 namespace sluice {
 

@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "src/base/values/volume_source.h"
+#include "src/base/sources/volume_source.h"
 
 namespace sluice {
 

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "src/base/values/volume_levels.h"
+#include "src/base/sources/volume_levels.h"
 
 namespace sluice {
 

@@ -26,7 +26,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "src/base/values/volume_source.h"
+#include "src/base/sources/volume_source.h"
 #include "src/classify/boxes/brick_grid.h"
 
 namespace sluice {

@@ -24,8 +24,8 @@
 #include <vector>
 
 #include "src/base/looks/surface_look.h"
+#include "src/base/sources/volume_source.h"
 #include "src/base/values/shown_values.h"
-#include "src/base/values/volume_source.h"
 #include "src/classify/transfer/transfer_function.h"
 #include "src/volume/device_voxel.h"
 

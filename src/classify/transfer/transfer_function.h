@@ -14,8 +14,8 @@
 #include <vector>
 
 #include "src/base/looks/surface_look.h"
+#include "src/base/sources/volume_source.h"
 #include "src/base/values/vec.h"
-#include "src/base/values/volume_source.h"
 
 namespace sluice {
 

@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "src/base/values/volume_source.h"
+#include "src/base/sources/volume_source.h"
 #include "src/library/requests.h"
 
 namespace sluice {

@@ -11,8 +11,8 @@
 
 #include "io/web/address.h"
 #include "src/base/error.h"
-#include "src/base/values/read_units.h"
-#include "src/base/values/volume_levels.h"
+#include "src/base/sources/read_units.h"
+#include "src/base/sources/volume_levels.h"
 #include "src/library/drawing/scene/resources.h"
 #include "src/library/opening/levels/coarsest_level.h"
 #include "src/library/opening/levels/side_levels.h"

@@ -4,7 +4,7 @@
 #include <span>
 
 #include "io/web/address.h"
-#include "src/base/values/volume_levels.h"
+#include "src/base/sources/volume_levels.h"
 #include "src/library/drawing/cost/picture_cost.h"
 #include "src/library/drawing/scene/resources.h"
 #include "src/library/opening/levels/stand_in.h"

@@ -8,7 +8,7 @@
 
 #include <optional>
 
-#include "src/base/values/stored_reads.h"
+#include "src/base/sources/stored_reads.h"
 #include "src/library/opening/indexed_volume.h"
 
 namespace sluice {

@@ -6,7 +6,7 @@
 
 #include "io/files/length_unit.h"
 #include "io/relabelled.h"
-#include "src/base/values/place_fault.h"
+#include "src/base/sources/place_fault.h"
 #include "src/library/drawing/scene/shared_world.h"
 
 namespace sluice {

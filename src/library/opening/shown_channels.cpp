@@ -12,7 +12,7 @@
 #include "src/base/error.h"
 #include "src/base/files/shell_word.h"
 #include "src/base/looks/color_word.h"
-#include "src/base/values/volume_levels.h"
+#include "src/base/sources/volume_levels.h"
 #include "src/classify/transfer/automatic_look.h"
 #include "src/classify/transfer/color_maps.h"
 #include "src/classify/transfer/transfer_makers.h"

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "src/base/sources/volume_channels.h"
 #include "src/base/values/value_counts.h"
-#include "src/base/values/volume_channels.h"
 #include "src/library/drawing/scene/chosen_look.h"
 #include "src/library/requests.h"
 

@@ -6,7 +6,7 @@
 #include <cstring>
 #include <utility>
 
-#include "src/base/values/volume_channels.h"
+#include "src/base/sources/volume_channels.h"
 
 namespace sluice {
 namespace {

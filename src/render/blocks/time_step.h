@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "src/base/values/volume_source.h"
+#include "src/base/sources/volume_source.h"
 #include "src/volume/pyramid.h"
 #include "src/volume/slice_ranges.h"
 

@@ -8,8 +8,8 @@
 
 #include <optional>
 
+#include "src/base/sources/volume_source.h"
 #include "src/base/values/vec.h"
-#include "src/base/values/volume_source.h"
 #include "src/device/view_values.h"
 #include "src/render/camera/camera_views.h"
 

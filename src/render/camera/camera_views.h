@@ -10,8 +10,8 @@
 #include <optional>
 #include <string_view>
 
+#include "src/base/sources/volume_source.h"
 #include "src/base/values/vec.h"
-#include "src/base/values/volume_source.h"
 
 namespace sluice {
 

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
+#include "src/base/sources/volume_source.h"
 #include "src/base/values/vec.h"
-#include "src/base/values/volume_source.h"
 
 namespace sluice {
 

@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "src/base/values/volume_source.h"
+#include "src/base/sources/volume_source.h"
 #include "src/render/camera/camera.h"
 #include "src/volume/pyramid.h"
 

@@ -5,7 +5,7 @@
 
 #include "cache/model/page_geometry.h"
 #include "src/base/error.h"
-#include "src/base/values/volume_source.h"
+#include "src/base/sources/volume_source.h"
 #include "src/device/device.h"
 #include "src/render/camera/frame_options.h"
 #include "src/volume/block_layout.h"

@@ -6,7 +6,7 @@
 
 #include "io/hdf5/hdf5_filters.h"
 #include "io/open_volume.h"
-#include "src/base/values/read_units.h"
+#include "src/base/sources/read_units.h"
 #include "tests/io/python_volumes.h"
 #include "tests/io/zarr/zarr_case.h"
 

@@ -5,8 +5,8 @@
 
 #include "io/hdf5/bdv_xml.h"
 #include "io/open_volume.h"
-#include "src/base/values/volume_channels.h"
-#include "src/base/values/volume_levels.h"
+#include "src/base/sources/volume_channels.h"
+#include "src/base/sources/volume_levels.h"
 #include "tests/io/python_volumes.h"
 #include "tests/io/zarr/zarr_case.h"
 

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "src/base/values/volume_source.h"
+#include "src/base/sources/volume_source.h"
 #include "tests/support/error_of.h"
 #include "tests/support/temp_folder.h"
 

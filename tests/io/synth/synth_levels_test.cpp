@@ -5,7 +5,7 @@
 #include <set>
 
 #include "src/base/error.h"
-#include "src/base/values/volume_levels.h"
+#include "src/base/sources/volume_levels.h"
 #include "tests/io/synth/synth_voxels.h"
 
 namespace sluice {

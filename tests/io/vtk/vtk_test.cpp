@@ -6,8 +6,8 @@
 #include "io/open_volume.h"
 #include "io/vtk/vtk_image.h"
 #include "io/vtk/vtk_source.h"
-#include "src/base/values/read_units.h"
-#include "src/base/values/volume_channels.h"
+#include "src/base/sources/read_units.h"
+#include "src/base/sources/volume_channels.h"
 #include "tests/io/python_volumes.h"
 
 namespace sluice {

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "src/base/error.h"
+#include "src/base/sources/volume_levels.h"
 #include "src/base/threads/clock.h"
 #include "src/base/threads/threads.h"
-#include "src/base/values/volume_levels.h"
 #include "src/library/drawing/cost/picture_memory.h"
 #include "src/library/drawing/scene/resources.h"
 #include "src/render/camera/frame_setup.h"

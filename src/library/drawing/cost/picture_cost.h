@@ -13,7 +13,7 @@
 #include <span>
 #include <vector>
 
-#include "src/base/values/stored_reads.h"
+#include "src/base/sources/stored_reads.h"
 #include "src/device/device.h"
 #include "src/library/drawing/cost/wanted_reads.h"
 #include "src/library/opening/indexed_volume.h"

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "io/pictures/exr_file.h"
-#include "src/base/values/volume_source.h"
+#include "src/base/sources/volume_source.h"
 #include "src/classify/transfer/transfer_function.h"
 #include "src/render/camera/frame_options.h"
 

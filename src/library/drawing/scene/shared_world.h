@@ -9,7 +9,7 @@
 
 #include <optional>
 
-#include "src/base/values/volume_source.h"
+#include "src/base/sources/volume_source.h"
 #include "src/render/camera/frame_options.h"
 
 namespace sluice {

@@ -1,7 +1,7 @@
 // The coarsest level of a volume, which levels that sluice adds are made of.
 #pragma once
 
-#include "src/base/values/volume_levels.h"
+#include "src/base/sources/volume_levels.h"
 
 namespace sluice {
 

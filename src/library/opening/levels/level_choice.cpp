@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "src/base/values/forwarding_source.h"
-#include "src/base/values/level_kinds.h"
+#include "src/base/sources/forwarding_source.h"
+#include "src/base/sources/level_kinds.h"
 #include "src/library/drawing/scene/chosen_look.h"
 #include "src/library/opening/levels/coarsest_level.h"
 #include "src/library/opening/levels/side_levels.h"

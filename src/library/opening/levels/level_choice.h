@@ -10,7 +10,7 @@
 #include <optional>
 #include <span>
 
-#include "src/base/values/volume_levels.h"
+#include "src/base/sources/volume_levels.h"
 #include "src/library/requests.h"
 #include "src/render/camera/cut_options.h"
 #include "src/volume/device_voxel.h"

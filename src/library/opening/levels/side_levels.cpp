@@ -11,9 +11,9 @@
 #include "io/zarr/levels/level_region.h"
 #include "src/base/error.h"
 #include "src/base/files/byte_stream.h"
+#include "src/base/sources/forwarding_source.h"
 #include "src/base/values/bytes.h"
 #include "src/base/values/digest.h"
-#include "src/base/values/forwarding_source.h"
 #include "src/library/opening/levels/coarsest_level.h"
 #include "src/library/opening/thick_source.h"
 

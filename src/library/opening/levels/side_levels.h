@@ -24,9 +24,9 @@
 #include <vector>
 
 #include "io/zarr/packing/level_store.h"
+#include "src/base/sources/volume_source.h"
 #include "src/base/threads/stop_token.h"
 #include "src/base/threads/worker_pool.h"
-#include "src/base/values/volume_source.h"
 #include "src/index/index_file.h"
 #include "src/library/requests.h"
 

@@ -12,7 +12,7 @@
 #include <memory>
 #include <span>
 
-#include "src/base/values/volume_levels.h"
+#include "src/base/sources/volume_levels.h"
 #include "src/index/indexed_ranges.h"
 #include "src/render/blocks/time_step.h"
 #include "src/render/camera/frame_options.h"

@@ -10,9 +10,9 @@
 
 #include "io/lent_source.h"
 #include "src/base/memory/aligned_array.h"
+#include "src/base/sources/forwarding_source.h"
+#include "src/base/sources/read_units.h"
 #include "src/base/threads/clock.h"
-#include "src/base/values/forwarding_source.h"
-#include "src/base/values/read_units.h"
 #include "src/library/opening/levels/coarsest_level.h"
 
 namespace sluice {

@@ -8,7 +8,7 @@
 #include <optional>
 #include <span>
 
-#include "src/base/values/volume_source.h"
+#include "src/base/sources/volume_source.h"
 
 namespace sluice {
 

@@ -4,6 +4,10 @@
 // A source describes a volume on disk and copies boxes of voxels out of it. It holds no cache of
 // voxels of its own beyond what its format forces on it (a compressed single stream is decoded once
 // into a temporary file). All members may be called from any thread at once after construction.
+//
+// The folder: what a source tells of its volume (volume_levels.h, volume_channels.h), of the parts
+// that it reads at once (read_units.h, stored_reads.h), and how to take part in a pass over its
+// voxels (voxel_taker.h).
 #pragma once
 
 #include <array>

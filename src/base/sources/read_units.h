@@ -5,8 +5,8 @@
 // them whole in place of a little of each.
 #pragma once
 
+#include "src/base/sources/volume_source.h"
 #include "src/base/values/vec.h"
-#include "src/base/values/volume_source.h"
 
 namespace sluice {
 

@@ -7,11 +7,11 @@
 #include <utility>
 #include <vector>
 
-#include "src/base/values/level_kinds.h"
-#include "src/base/values/stored_reads.h"
-#include "src/base/values/volume_channels.h"
-#include "src/base/values/volume_levels.h"
-#include "src/base/values/volume_source.h"
+#include "src/base/sources/level_kinds.h"
+#include "src/base/sources/stored_reads.h"
+#include "src/base/sources/volume_channels.h"
+#include "src/base/sources/volume_levels.h"
+#include "src/base/sources/volume_source.h"
 
 namespace sluice {
 

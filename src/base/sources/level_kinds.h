@@ -4,8 +4,8 @@
 
 #include <span>
 
-#include "src/base/values/volume_levels.h"
-#include "src/base/values/volume_source.h"
+#include "src/base/sources/volume_levels.h"
+#include "src/base/sources/volume_source.h"
 
 namespace sluice {
 

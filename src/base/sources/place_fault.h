@@ -1,7 +1,7 @@
 // Tells whether a volume lies at its place. Pure functions of a layout.
 #pragma once
 
-#include "src/base/values/volume_source.h"
+#include "src/base/sources/volume_source.h"
 
 namespace sluice {
 
