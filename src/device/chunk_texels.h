@@ -7,7 +7,7 @@
 #include <span>
 
 #include "src/base/values/vec.h"
-#include "src/volume/device_voxel.h"
+#include "src/volume/voxels/device_voxel.h"
 
 namespace sluice {
 

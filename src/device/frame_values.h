@@ -25,7 +25,7 @@
 #include "src/device/shading/light_volume.h"
 #include "src/device/shading/lighting.h"
 #include "src/device/view_values.h"
-#include "src/volume/device_voxel.h"
+#include "src/volume/voxels/device_voxel.h"
 
 namespace sluice {
 

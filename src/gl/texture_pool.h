@@ -15,7 +15,7 @@
 #include "src/base/values/vec.h"
 #include "src/device/device.h"
 #include "src/gl/contexts/gl_functions.h"
-#include "src/volume/device_voxel.h"
+#include "src/volume/voxels/device_voxel.h"
 
 namespace sluice {
 

@@ -22,8 +22,8 @@
 #include "src/index/boxes_file.h"
 #include "src/index/index_file.h"
 #include "src/index/volume_boxes.h"
+#include "src/volume/ranges/slice_ranges.h"
 #include "src/volume/read_tally.h"
-#include "src/volume/slice_ranges.h"
 
 namespace sluice {
 

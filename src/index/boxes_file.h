@@ -17,7 +17,7 @@
 
 #include "src/classify/boxes/box_tree.h"
 #include "src/volume/block_layout.h"
-#include "src/volume/device_voxel.h"
+#include "src/volume/voxels/device_voxel.h"
 
 namespace sluice {
 

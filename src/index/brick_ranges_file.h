@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "src/volume/brick_ranges.h"
+#include "src/volume/ranges/brick_ranges.h"
 
 namespace sluice {
 

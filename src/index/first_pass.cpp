@@ -5,9 +5,9 @@
 
 #include "src/base/error.h"
 #include "src/base/values/bytes.h"
-#include "src/volume/brick_ranges.h"
-#include "src/volume/device_voxel.h"
-#include "src/volume/slice_ranges.h"
+#include "src/volume/ranges/brick_ranges.h"
+#include "src/volume/ranges/slice_ranges.h"
+#include "src/volume/voxels/device_voxel.h"
 
 namespace sluice {
 namespace {

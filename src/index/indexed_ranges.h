@@ -13,8 +13,8 @@
 #include "src/base/threads/stop_token.h"
 #include "src/base/threads/worker_pool.h"
 #include "src/index/index_file.h"
-#include "src/volume/brick_ranges.h"
-#include "src/volume/slice_ranges.h"
+#include "src/volume/ranges/brick_ranges.h"
+#include "src/volume/ranges/slice_ranges.h"
 
 namespace sluice {
 
@@ -34,9 +34,9 @@ struct IndexedRanges {
 std::optional<IndexedRanges> keptRanges(const VolumeSource& source, const IndexPlaces& places,
                                         int64_t time, const BlockLayout& layout);
 
-// Ranges of some blocks, which pictures have learnt (src/volume/learnt_ranges.h), for a volume that
-// has no index: nullopt if none are kept, or not of its present state. Range and counts of the
-// values are those that keepLearnt() was given.
+// Ranges of some blocks, which pictures have learnt (src/volume/ranges/learnt_ranges.h), for a
+// volume that has no index: nullopt if none are kept, or not of its present state. Range and counts
+// of the values are those that keepLearnt() was given.
 std::optional<SliceRanges> keptLearnt(const VolumeSource& source, const IndexPlaces& places,
                                       int64_t time, const BlockLayout& layout);
 // Keeps them for later openings, if that is possible.

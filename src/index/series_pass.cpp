@@ -8,8 +8,8 @@
 #include "src/base/error.h"
 #include "src/base/threads/clock.h"
 #include "src/visibility/plenoptic/fusion.h"
-#include "src/volume/block_ranges.h"
-#include "src/volume/device_reader.h"
+#include "src/volume/ranges/block_ranges.h"
+#include "src/volume/voxels/device_reader.h"
 
 namespace sluice {
 namespace {

@@ -18,7 +18,7 @@
 #include "src/index/stale_check.h"
 #include "src/visibility/plenoptic/extinction.h"
 #include "src/visibility/plenoptic/series_opacity.h"
-#include "src/volume/slice_ranges.h"
+#include "src/volume/ranges/slice_ranges.h"
 
 namespace sluice {
 

@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "src/volume/slice_ranges.h"
+#include "src/volume/ranges/slice_ranges.h"
 
 namespace sluice {
 

@@ -5,7 +5,7 @@
 
 #include "src/base/error.h"
 #include "src/index/index_file.h"
-#include "src/volume/block_ranges.h"
+#include "src/volume/ranges/block_ranges.h"
 
 namespace sluice {
 namespace {

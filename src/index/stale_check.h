@@ -17,7 +17,7 @@
 #include <string>
 
 #include "src/base/threads/mutex.h"
-#include "src/volume/slice_ranges.h"
+#include "src/volume/ranges/slice_ranges.h"
 #include "src/volume/volume_buffer.h"
 
 namespace sluice {

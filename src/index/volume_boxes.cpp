@@ -8,7 +8,7 @@
 #include "src/base/threads/mutex.h"
 #include "src/classify/boxes/box_visibility.h"
 #include "src/index/stale_check.h"
-#include "src/volume/device_reader.h"
+#include "src/volume/voxels/device_reader.h"
 
 namespace sluice {
 namespace {

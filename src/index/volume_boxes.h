@@ -16,7 +16,7 @@
 #include "src/base/threads/worker_pool.h"
 #include "src/classify/boxes/box_tree.h"
 #include "src/classify/transfer/opacity_table.h"
-#include "src/volume/slice_ranges.h"
+#include "src/volume/ranges/slice_ranges.h"
 
 namespace sluice {
 

@@ -10,7 +10,7 @@
 #include "src/base/sources/volume_levels.h"
 #include "src/surface/inside_set.h"
 #include "src/volume/block_layout.h"
-#include "src/volume/slice_ranges.h"
+#include "src/volume/ranges/slice_ranges.h"
 
 namespace sluice {
 

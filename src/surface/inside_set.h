@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "src/volume/device_voxel.h"
+#include "src/volume/voxels/device_voxel.h"
 
 namespace sluice {
 

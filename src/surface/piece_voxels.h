@@ -9,7 +9,7 @@
 
 #include "src/base/sources/volume_source.h"
 #include "src/surface/pieces.h"
-#include "src/volume/device_reader.h"
+#include "src/volume/voxels/device_reader.h"
 
 namespace sluice {
 

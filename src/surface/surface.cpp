@@ -16,7 +16,7 @@
 #include "src/surface/ordered_parts.h"
 #include "src/surface/piece_mesher.h"
 #include "src/surface/vertex_numbers.h"
-#include "src/volume/block_ranges.h"
+#include "src/volume/ranges/block_ranges.h"
 
 namespace sluice {
 namespace {

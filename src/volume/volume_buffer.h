@@ -1,5 +1,9 @@
 // VolumeBuffer: level 2, the volume blocks in memory under a hard budget.
 //
+// The folder: here, blocks, how volumes are cut into them (block_layout.h, pyramid.h), and level 2
+// itself. voxels/ has the form of voxels in levels 2 to 4, ranges/ the min-max arrays and other
+// ranges of values, and passes/ what a pass over all voxels of a volume is made of.
+//
 // Blocks come from the VolumeSources of a volume's levels in device form, each once however many
 // threads want it: the first publishes the entry and loads outside the lock, the others wait. The
 // least recently used block that no one holds goes first: one that was used more than once is
@@ -29,9 +33,9 @@
 #include "src/base/threads/single_flight_cache.h"
 #include "src/volume/block_layout.h"
 #include "src/volume/block_name.h"
-#include "src/volume/device_reader.h"
 #include "src/volume/packed_block.h"
 #include "src/volume/read_tally.h"
+#include "src/volume/voxels/device_reader.h"
 
 namespace sluice {
 

@@ -6,7 +6,7 @@
 
 #include "src/base/sources/volume_source.h"
 #include "src/classify/boxes/brick_grid.h"
-#include "src/volume/device_voxel.h"
+#include "src/volume/voxels/device_voxel.h"
 
 namespace sluice {
 

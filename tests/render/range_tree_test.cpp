@@ -7,7 +7,7 @@
 #include <cstring>
 #include <random>
 
-#include "src/volume/device_voxel.h"
+#include "src/volume/voxels/device_voxel.h"
 
 namespace sluice {
 namespace {

@@ -17,7 +17,7 @@
 // A slice's sample counts if 0 <= p[a] < dims[a] - 1 on every axis (p: its position in voxels),
 // inside the crop box and kept by every clip plane. Infinities count as +-1e30; a sample with any
 // part of a NaN shows nothing, and an axis along which a gradient would meet one adds nothing to it
-// (src/volume/device_voxel.h). Reads the whole time step into memory.
+// (src/volume/voxels/device_voxel.h). Reads the whole time step into memory.
 #pragma once
 
 #include <functional>

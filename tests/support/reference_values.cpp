@@ -8,7 +8,7 @@
 namespace sluice {
 namespace {
 
-// The value that stands for infinities and anything as far away (src/volume/device_voxel.h).
+// The value that stands for infinities and anything as far away (src/volume/voxels/device_voxel.h).
 constexpr double kFarthest = 1e30;
 
 // If two labels' weights are this close, the greater label counts.

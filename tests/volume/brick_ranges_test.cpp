@@ -1,5 +1,5 @@
 // Ranges of bricks equal those computed voxel by voxel, whatever the blocks.
-#include "src/volume/brick_ranges.h"
+#include "src/volume/ranges/brick_ranges.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "src/volume/byte_order_hint.h"
+#include "src/volume/ranges/byte_order_hint.h"
 
 #include <gtest/gtest.h>
 

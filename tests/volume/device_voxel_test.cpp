@@ -1,4 +1,4 @@
-#include "src/volume/device_voxel.h"
+#include "src/volume/voxels/device_voxel.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "src/volume/learnt_ranges.h"
+#include "src/volume/ranges/learnt_ranges.h"
 
 #include <gtest/gtest.h>
 

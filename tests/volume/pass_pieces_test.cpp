@@ -6,8 +6,8 @@
 #include <map>
 #include <mutex>
 
-#include "src/volume/brick_ranges.h"
-#include "src/volume/pass_pieces.h"
+#include "src/volume/passes/pass_pieces.h"
+#include "src/volume/ranges/brick_ranges.h"
 #include "tests/support/function_source.h"
 #include "tests/support/random_volume.h"
 

@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "src/base/values/voxel_type.h"
-#include "src/volume/slice_ranges.h"
+#include "src/volume/ranges/slice_ranges.h"
 #include "tests/support/memory_source.h"
 
 namespace sluice {

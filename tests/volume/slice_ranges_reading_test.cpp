@@ -9,7 +9,7 @@
 
 #include "src/base/error.h"
 #include "src/base/threads/stop_token.h"
-#include "src/volume/slice_ranges.h"
+#include "src/volume/ranges/slice_ranges.h"
 #include "tests/support/counting_source.h"
 #include "tests/support/failing_source.h"
 #include "tests/support/function_source.h"

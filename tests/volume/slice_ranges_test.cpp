@@ -1,5 +1,5 @@
 // The contents of slice ranges: the ranges of planes and blocks, the background, and the histogram.
-#include "src/volume/slice_ranges.h"
+#include "src/volume/ranges/slice_ranges.h"
 
 #include <gtest/gtest.h>
 

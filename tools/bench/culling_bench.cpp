@@ -15,7 +15,7 @@
 #include "src/library/opening/step_ranges.h"
 #include "src/parallel/dealing.h"
 #include "src/visibility/occlusion/early_termination.h"
-#include "src/volume/device_reader.h"
+#include "src/volume/voxels/device_reader.h"
 #include "tools/bench/bench.h"
 #include "tools/bench/culling_print.h"
 #include "tools/command_line/interrupt.h"

@@ -1,5 +1,5 @@
 // VoxelTaker: takes part in a pass over a volume's voxels that is made anyway, such as the pass
-// that makes the min-max arrays (src/volume/slice_ranges.h).
+// that makes the min-max arrays (src/volume/ranges/slice_ranges.h).
 //
 // The pass hands over each voxel once, in pieces: boxes that begin and end at multiples of side(),
 // or at the volume's end, in layers of side() planes from the first to the last. take() is called

@@ -15,7 +15,7 @@
 #include "src/classify/blocks/cut_summary.h"
 #include "src/classify/transfer/opacity_table.h"
 #include "src/volume/block_name.h"
-#include "src/volume/slice_ranges.h"
+#include "src/volume/ranges/slice_ranges.h"
 
 namespace sluice {
 

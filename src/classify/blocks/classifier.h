@@ -12,7 +12,7 @@
 #include "src/base/threads/worker_pool.h"
 #include "src/base/values/shown_values.h"
 #include "src/classify/transfer/opacity_table.h"
-#include "src/volume/slice_ranges.h"
+#include "src/volume/ranges/slice_ranges.h"
 
 namespace sluice {
 

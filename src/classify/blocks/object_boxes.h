@@ -14,7 +14,7 @@
 #include "src/base/threads/worker_pool.h"
 #include "src/classify/blocks/classifier.h"
 #include "src/classify/transfer/opacity_table.h"
-#include "src/volume/slice_ranges.h"
+#include "src/volume/ranges/slice_ranges.h"
 
 namespace sluice {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <optional>
 
-#include "src/volume/block_ranges.h"
+#include "src/volume/ranges/block_ranges.h"
 
 namespace sluice {
 namespace {

@@ -2,15 +2,15 @@
 //
 // The answer follows from the values and the transfer function alone. It is the same for any size
 // of block, lit or not, any type that holds the values, and an index that was read or just built:
-// bricks come from a grid of the volume (src/volume/brick_ranges.h), and plane ranges over the
-// whole volume cut their box to whole cells.
+// bricks come from a grid of the volume (src/volume/ranges/brick_ranges.h), and plane ranges over
+// the whole volume cut their box to whole cells.
 #pragma once
 
 #include <vector>
 
 #include "src/classify/transfer/transfer_function.h"
-#include "src/volume/brick_ranges.h"
-#include "src/volume/slice_ranges.h"
+#include "src/volume/ranges/brick_ranges.h"
+#include "src/volume/ranges/slice_ranges.h"
 
 namespace sluice {
 

@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "src/base/values/vec.h"
-#include "src/volume/device_voxel.h"
+#include "src/volume/voxels/device_voxel.h"
 
 namespace sluice {
 

@@ -27,7 +27,7 @@
 #include "src/base/sources/volume_source.h"
 #include "src/base/values/shown_values.h"
 #include "src/classify/transfer/transfer_function.h"
-#include "src/volume/device_voxel.h"
+#include "src/volume/voxels/device_voxel.h"
 
 namespace sluice {
 

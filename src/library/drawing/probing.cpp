@@ -9,7 +9,7 @@
 #include "src/base/error.h"
 #include "src/classify/blocks/visible_cells.h"
 #include "src/render/camera/index_space.h"
-#include "src/volume/device_voxel.h"
+#include "src/volume/voxels/device_voxel.h"
 
 namespace sluice {
 namespace {

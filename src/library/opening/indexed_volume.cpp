@@ -18,7 +18,7 @@
 #include "src/library/opening/levels/side_levels.h"
 #include "src/library/opening/levels/volume_sample.h"
 #include "src/library/opening/step_ranges.h"
-#include "src/volume/byte_order_hint.h"
+#include "src/volume/ranges/byte_order_hint.h"
 
 namespace sluice {
 namespace {

@@ -10,7 +10,7 @@
 
 #include "src/base/sources/volume_source.h"
 #include "src/volume/pyramid.h"
-#include "src/volume/slice_ranges.h"
+#include "src/volume/ranges/slice_ranges.h"
 
 namespace sluice {
 

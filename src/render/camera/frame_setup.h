@@ -7,7 +7,7 @@
 #include "src/render/blocks/look.h"
 #include "src/render/camera/frame_options.h"
 #include "src/texture/texture_plan.h"
-#include "src/volume/slice_ranges.h"
+#include "src/volume/ranges/slice_ranges.h"
 
 namespace sluice {
 

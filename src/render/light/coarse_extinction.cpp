@@ -9,7 +9,7 @@
 #include "src/base/error.h"
 #include "src/device/chunk_texels.h"
 #include "src/render/camera/index_space.h"
-#include "src/volume/device_reader.h"
+#include "src/volume/voxels/device_reader.h"
 
 namespace sluice {
 namespace {

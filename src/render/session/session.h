@@ -21,7 +21,7 @@
 #include "src/render/frame/frame_run.h"
 #include "src/render/light/arriving_light.h"
 #include "src/render/session/planner.h"
-#include "src/volume/learnt_ranges.h"
+#include "src/volume/ranges/learnt_ranges.h"
 
 namespace sluice {
 

@@ -11,7 +11,7 @@
 #include "src/base/threads/worker_pool.h"
 #include "src/classify/transfer/opacity_table.h"
 #include "src/visibility/plenoptic/visibility_estimate.h"
-#include "src/volume/device_voxel.h"
+#include "src/volume/voxels/device_voxel.h"
 
 namespace sluice {
 

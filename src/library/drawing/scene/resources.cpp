@@ -7,7 +7,7 @@
 #include "src/classify/blocks/classification.h"
 #include "src/render/blocks/look.h"
 #include "src/render/blocks/losses/spread_tally.h"
-#include "src/volume/learnt_ranges.h"
+#include "src/volume/ranges/learnt_ranges.h"
 
 namespace sluice {
 namespace {

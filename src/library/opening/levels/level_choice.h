@@ -13,7 +13,7 @@
 #include "src/base/sources/volume_levels.h"
 #include "src/library/requests.h"
 #include "src/render/camera/cut_options.h"
-#include "src/volume/device_voxel.h"
+#include "src/volume/voxels/device_voxel.h"
 
 namespace sluice {
 

@@ -11,7 +11,7 @@
 #include "src/render/blocks/cut/cut_rules.h"
 #include "src/render/blocks/cut/level_cut.h"
 #include "src/render/blocks/look.h"
-#include "src/volume/device_reader.h"
+#include "src/volume/voxels/device_reader.h"
 
 namespace sluice {
 namespace {

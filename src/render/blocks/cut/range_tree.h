@@ -10,7 +10,7 @@
 
 #include "src/base/threads/worker_pool.h"
 #include "src/volume/pyramid.h"
-#include "src/volume/slice_ranges.h"
+#include "src/volume/ranges/slice_ranges.h"
 
 namespace sluice {
 

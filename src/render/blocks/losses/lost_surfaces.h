@@ -6,7 +6,7 @@
 #include <cstdint>
 
 #include "src/volume/pyramid.h"
-#include "src/volume/slice_ranges.h"
+#include "src/volume/ranges/slice_ranges.h"
 #include "src/volume/volume_buffer.h"
 
 namespace sluice {

@@ -1,4 +1,4 @@
-#include "src/volume/slice_ranges.h"
+#include "src/volume/ranges/slice_ranges.h"
 
 #include <algorithm>
 #include <functional>
@@ -11,13 +11,13 @@
 #include "src/base/memory/aligned_array.h"
 #include "src/base/threads/mutex.h"
 #include "src/base/wide_vectors.h"
-#include "src/volume/block_ranges.h"
-#include "src/volume/brick_ranges.h"
-#include "src/volume/device_reader.h"
-#include "src/volume/far_voxels.h"
-#include "src/volume/key_histogram.h"
-#include "src/volume/pass_pieces.h"
-#include "src/volume/voxel_pass.h"
+#include "src/volume/passes/key_histogram.h"
+#include "src/volume/passes/pass_pieces.h"
+#include "src/volume/passes/voxel_pass.h"
+#include "src/volume/ranges/block_ranges.h"
+#include "src/volume/ranges/brick_ranges.h"
+#include "src/volume/ranges/far_voxels.h"
+#include "src/volume/voxels/device_reader.h"
 
 namespace sluice {
 namespace {

@@ -1,4 +1,4 @@
-#include "src/volume/device_reader.h"
+#include "src/volume/voxels/device_reader.h"
 
 #include <algorithm>
 

@@ -17,9 +17,9 @@
 #include "src/base/sources/volume_source.h"
 #include "src/base/sources/voxel_taker.h"
 #include "src/base/threads/mutex.h"
-#include "src/volume/block_ranges.h"
-#include "src/volume/device_voxel.h"
-#include "src/volume/slice_ranges.h"
+#include "src/volume/ranges/block_ranges.h"
+#include "src/volume/ranges/slice_ranges.h"
+#include "src/volume/voxels/device_voxel.h"
 
 namespace sluice {
 

@@ -6,7 +6,7 @@
 #pragma once
 
 #include "src/base/values/voxel_type.h"
-#include "src/volume/slice_ranges.h"
+#include "src/volume/ranges/slice_ranges.h"
 
 namespace sluice {
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "src/base/values/vec.h"
-#include "src/volume/slice_ranges.h"
+#include "src/volume/ranges/slice_ranges.h"
 
 namespace sluice {
 

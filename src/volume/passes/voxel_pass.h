@@ -1,4 +1,7 @@
 // A pass over the voxels of a volume in tiles, layer by layer, for a VoxelTaker.
+//
+// The folder: pass_pieces.h cuts a volume into the pieces of a pass, and key_histogram.h counts the
+// values that a pass reads.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +13,7 @@
 #include "src/base/threads/stop_token.h"
 #include "src/base/threads/worker_pool.h"
 #include "src/volume/block_layout.h"
-#include "src/volume/pass_pieces.h"
+#include "src/volume/passes/pass_pieces.h"
 
 namespace sluice {
 

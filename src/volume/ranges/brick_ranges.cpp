@@ -1,4 +1,4 @@
-#include "src/volume/brick_ranges.h"
+#include "src/volume/ranges/brick_ranges.h"
 
 #include <algorithm>
 

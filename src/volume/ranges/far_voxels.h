@@ -6,8 +6,8 @@
 
 #include "src/base/sources/volume_source.h"
 #include "src/base/values/vec.h"
-#include "src/volume/block_ranges.h"
-#include "src/volume/device_voxel.h"
+#include "src/volume/ranges/block_ranges.h"
+#include "src/volume/voxels/device_voxel.h"
 
 namespace sluice {
 

@@ -12,7 +12,7 @@
 
 #include "src/base/memory/aligned_array.h"
 #include "src/base/sources/volume_source.h"
-#include "src/volume/device_voxel.h"
+#include "src/volume/voxels/device_voxel.h"
 
 namespace sluice {
 

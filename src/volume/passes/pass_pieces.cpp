@@ -1,4 +1,4 @@
-#include "src/volume/pass_pieces.h"
+#include "src/volume/passes/pass_pieces.h"
 
 #include <algorithm>
 

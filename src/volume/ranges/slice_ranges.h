@@ -4,6 +4,11 @@
 // i orthogonal to that axis. Blocks whose voxels all equal one `background` are not held: on disk,
 // in memory and in every loop over blocks, a volume costs only its other blocks. Immutable once
 // built; any thread may read.
+//
+// The folder: block_ranges.h is the inner loop that makes the arrays, learnt_ranges.h makes them of
+// blocks that pictures read, and brick_ranges.h has ranges of bricks for any size of block.
+// far_voxels.h tells which voxels are left out, and byte_order_hint.h whether the values look as if
+// their bytes were swapped.
 #pragma once
 
 #include <algorithm>
@@ -20,7 +25,7 @@
 #include "src/base/threads/worker_pool.h"
 #include "src/base/values/value_counts.h"
 #include "src/volume/block_layout.h"
-#include "src/volume/device_voxel.h"
+#include "src/volume/voxels/device_voxel.h"
 
 namespace sluice {
 

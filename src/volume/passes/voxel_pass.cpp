@@ -1,9 +1,9 @@
-#include "src/volume/voxel_pass.h"
+#include "src/volume/passes/voxel_pass.h"
 
 #include <algorithm>
 
 #include "src/base/memory/aligned_array.h"
-#include "src/volume/brick_ranges.h"
+#include "src/volume/ranges/brick_ranges.h"
 
 namespace sluice {
 

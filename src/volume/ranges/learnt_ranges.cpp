@@ -1,11 +1,11 @@
-#include "src/volume/learnt_ranges.h"
+#include "src/volume/ranges/learnt_ranges.h"
 
 #include <algorithm>
 #include <cstring>
 #include <span>
 #include <utility>
 
-#include "src/volume/block_ranges.h"
+#include "src/volume/ranges/block_ranges.h"
 
 namespace sluice {
 namespace {

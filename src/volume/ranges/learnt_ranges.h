@@ -12,7 +12,7 @@
 
 #include "src/base/threads/mutex.h"
 #include "src/volume/block_name.h"
-#include "src/volume/slice_ranges.h"
+#include "src/volume/ranges/slice_ranges.h"
 #include "src/volume/volume_buffer.h"
 
 namespace sluice {

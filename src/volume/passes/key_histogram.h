@@ -17,7 +17,7 @@
 #include <vector>
 
 #include "src/base/values/value_counts.h"
-#include "src/volume/device_voxel.h"
+#include "src/volume/voxels/device_voxel.h"
 
 namespace sluice {
 

@@ -1,4 +1,4 @@
-#include "src/volume/far_voxels.h"
+#include "src/volume/ranges/far_voxels.h"
 
 #include <algorithm>
 #include <cmath>
