@@ -71,6 +71,10 @@ void SequenceSource::readRegions(int64_t time, std::span<const RegionRead> regio
   at(time)->readRegions(0, regions);
 }
 
+void SequenceSource::expectRegion(int64_t time, const Box3& box) {
+  at(time)->expectRegion(0, box);
+}
+
 std::optional<Occupancy> SequenceSource::occupancy(int64_t time) {
   return at(time)->occupancy(0);
 }

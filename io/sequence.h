@@ -38,6 +38,7 @@ class SequenceSource final : public VolumeSource, public ChanneledSource {
   // of microscopy lie where the first one does.
   void readRegion(int64_t time, const Box3& box, std::span<std::byte> out) override;
   void readRegions(int64_t time, std::span<const RegionRead> regions) override;
+  void expectRegion(int64_t time, const Box3& box) override;
   std::optional<Occupancy> occupancy(int64_t time) override;
   // Covers all files as they were at the opening.
   std::string identity() const override { return identity_; }

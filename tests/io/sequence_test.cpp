@@ -28,12 +28,16 @@ VolumeLayout layoutOf(Vec3i dims, VoxelType type = VoxelType::kU8, Vec3d spacing
 // open.
 struct Steps {
   struct Counted : MemorySource {
-    Counted(VolumeLayout layout, std::vector<std::byte> voxels, std::atomic<int>& open)
-        : MemorySource(std::move(layout), std::move(voxels)), open_(open) {
-      ++open_;
+    Counted(VolumeLayout layout, std::vector<std::byte> voxels, Steps& steps)
+        : MemorySource(std::move(layout), std::move(voxels)), steps_(steps) {
+      ++steps_.open;
     }
-    ~Counted() override { --open_; }
-    std::atomic<int>& open_;
+    ~Counted() override { --steps_.open; }
+    void expectRegion(int64_t time, const Box3& box) override {
+      EXPECT_EQ(time, 0);
+      steps_.told.push_back({layout().name, box});
+    }
+    Steps& steps_;
   };
 
   explicit Steps(int count) {
@@ -47,8 +51,9 @@ struct Steps {
       ++openings;
       const std::string text = readFile(path);
       VolumeLayout layout = changed && path == files[2] ? *changed : layoutOf({2, 2, 1});
+      layout.name = path;
       return std::make_unique<Counted>(
-          layout, std::vector<std::byte>(4, static_cast<std::byte>(std::stoi(text))), open);
+          layout, std::vector<std::byte>(4, static_cast<std::byte>(std::stoi(text))), *this);
     };
   }
 
@@ -56,7 +61,16 @@ struct Steps {
   std::vector<std::string> files;
   std::optional<VolumeLayout> changed;  // layout of step 2
   std::atomic<int> openings{0}, open{0};
+  std::vector<std::pair<std::string, Box3>> told;  // file, box
 };
+
+TEST(Sequence, tellsTheStepOfABoxThatIsReadLater) {
+  Steps steps(3);
+  SequenceSource source(steps.files, steps.opener());
+  const Box3 box{{0, 1, 0}, {2, 2, 1}};
+  source.expectRegion(1, box);
+  EXPECT_EQ(steps.told, (std::vector<std::pair<std::string, Box3>>{{steps.files[1], box}}));
+}
 
 TEST(Sequence, givesTheFilesAsTimeSteps) {
   Steps steps(5);

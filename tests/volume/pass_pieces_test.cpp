@@ -6,6 +6,7 @@
 #include <map>
 #include <mutex>
 
+#include "src/base/sources/forwarding_source.h"
 #include "src/volume/passes/pass_pieces.h"
 #include "src/volume/ranges/brick_ranges.h"
 #include "tests/support/function_source.h"
@@ -28,6 +29,7 @@ class NotingTaker final : public VoxelTaker {
     return wants;
   }
   void take(const VoxelPiece& piece) override {
+    if (!looks) return;
     const Vec3i dims = source_.layout().dims, size = piece.box.size();
     const size_t voxel = bytesPerVoxel(source_.layout().type);
     std::vector<std::byte> expected(static_cast<size_t>(piece.box.count()) * voxel);
@@ -62,6 +64,7 @@ class NotingTaker final : public VoxelTaker {
   int64_t ended() const { return ended_; }
 
   bool wants = true;
+  bool looks = true;  // false: it reads nothing itself
   int64_t wrong = 0;
 
  private:
@@ -143,6 +146,64 @@ TEST(SharedPass, forTheTakerAloneReadsTheLayersThatItWants) {
     EXPECT_EQ(taker.wrong, 0);
     EXPECT_EQ(taker.ended(), 20);
   }
+}
+
+// Notes how many reads had begun when it was told of a box.
+class TellingSource final : public ForwardingSource {
+ public:
+  using ForwardingSource::ForwardingSource;
+  void expectRegion(int64_t time, const Box3& box) override {
+    EXPECT_EQ(time, 0);
+    told.push_back({box, reads});
+  }
+  void readRegion(int64_t time, const Box3& box, std::span<std::byte> out) override {
+    read.push_back(box);
+    ++reads;
+    ForwardingSource::readRegion(time, box, out);
+  }
+  void readRegions(int64_t time, std::span<const RegionRead> regions) override {
+    VolumeSource::readRegions(time, regions);
+  }
+
+  struct Told {
+    Box3 box;
+    size_t reads;
+  };
+  std::vector<Told> told;
+  std::vector<Box3> read;
+  size_t reads = 0;
+};
+
+// Every piece but the first two, in the order of the reads, two reads before its own.
+void expectToldBeforehand(const TellingSource& source) {
+  ASSERT_GT(source.read.size(), 8U);
+  ASSERT_EQ(source.told.size(), source.read.size() - 2);
+  for (size_t i = 0; i < source.told.size(); ++i) {
+    EXPECT_EQ(source.told[i].box, source.read[i + 2]) << i;
+    EXPECT_EQ(source.told[i].reads, i) << i;
+  }
+}
+
+TEST(SharedPass, tellsTheSourceOfEachPieceBeforehandAcrossLayers) {
+  // Tiles of 16 planes: three layers of three.
+  TellingSource source(makeWhiteNoise({33, 47, 41}, VoxelType::kU8, 4));
+  WorkerPool alone(1);
+  ProgressMeter progress;
+  BrickRanges bricks;
+  NotingTaker taker(source, 16);
+  taker.looks = false;
+  buildSliceRanges(source, 0, blockLayout({33, 47, 41}, 16, 0), alone, progress, kMostIndexingBytes,
+                   {}, bricks, &taker);
+  expectToldBeforehand(source);
+}
+
+TEST(SharedPass, tellsTheSourceOfRunsToo) {
+  TellingSource source(makeWhiteNoise({33, 47, 41}, VoxelType::kU8, 4));
+  WorkerPool alone(1);
+  ProgressMeter progress;
+  buildSliceRanges(source, 0, blockLayout({33, 47, 41}, 16, 0), alone, progress, kMostIndexingBytes,
+                   {});
+  expectToldBeforehand(source);
 }
 
 }  // namespace

@@ -153,15 +153,26 @@ void RawSource::addPiece(Gather& gather, int64_t first, int64_t voxels, std::byt
   }
 }
 
-void RawSource::expectPlanes(int64_t time, const Box3& rows) const {
+bool RawSource::isExpected(const Box3& box) const {
+  const uint64_t voxel_bytes = bytesPerVoxel(layout_.type);
+  const auto left_out = static_cast<uint64_t>(layout_.dims.x - box.size().x);
+  return left_out * voxel_bytes < kMaxGapBytes &&
+         static_cast<uint64_t>(box.size().y * layout_.dims.x) * voxel_bytes >= kLeastExpectedBytes;
+}
+
+void RawSource::expectRegion(int64_t time, const Box3& box) {
+  if (isExpected(box)) expectPlanes(time, box);
+}
+
+void RawSource::expectPlanes(int64_t time, const Box3& box) const {
   const Vec3i dims = layout_.dims;
   const auto voxel_bytes = static_cast<int64_t>(bytesPerVoxel(layout_.type));
-  for (int64_t z = rows.lo.z; z < rows.hi.z; ++z) {
-    const int64_t first = ((time * dims.z + z) * dims.y + rows.lo.y) * dims.x;
+  for (int64_t z = box.lo.z; z < box.hi.z; ++z) {
+    const int64_t first = ((time * dims.z + z) * dims.y + box.lo.y) * dims.x;
     const RawSegment& segment = segments_[static_cast<size_t>(first / segment_voxels_)];
     const int64_t inside = first % segment_voxels_ * voxel_bytes;
     segment.store->expectRead(segment.offset_bytes + static_cast<uint64_t>(inside),
-                              static_cast<uint64_t>(rows.size().y * dims.x * voxel_bytes));
+                              static_cast<uint64_t>(box.size().y * dims.x * voxel_bytes));
   }
 }
 
@@ -222,10 +233,8 @@ void RawSource::readRegions(int64_t time, std::span<const RegionRead> regions) {
     rows_a_piece = std::exchange(pieces.y, 1);
     if (rows.size().y == dims.y) rows_a_piece *= std::exchange(pieces.z, 1);
   }
-  const int64_t left_out = dims.x - (sorted.back().box.hi.x - sorted.front().box.lo.x);
-  if (pieces.z > 1 && static_cast<uint64_t>(left_out * voxel_bytes) < kMaxGapBytes &&
-      static_cast<uint64_t>(rows.size().y * dims.x * voxel_bytes) >= kLeastExpectedBytes)
-    expectPlanes(time, rows);
+  const Box3 all = unite(rows, sorted.back().box);
+  if (pieces.z > 1 && isExpected(all)) expectPlanes(time, all);
   Gather gather(*this);
   for (int64_t z = 0; z < pieces.z; ++z)
     for (int64_t y = 0; y < pieces.y; ++y)

@@ -40,6 +40,8 @@ class RawSource : public VolumeSource, public UnitSource {
   void readRegion(int64_t time, const Box3& box, std::span<std::byte> out) override;
   // Regions of equal y and z extents are read row by row across all of them.
   void readRegions(int64_t time, std::span<const RegionRead> regions) override;
+  // Tells the store of boxes of nearly whole rows: all of a file's pages there are wanted.
+  void expectRegion(int64_t time, const Box3& box) override;
   std::string identity() const override { return identity_; }
   std::vector<std::string> files() override;
   ReadUnits readUnits() const override;
@@ -52,9 +54,11 @@ class RawSource : public VolumeSource, public UnitSource {
   class Gather;
   // Adds `voxels` voxels from `first` (in the sequence of all) on.
   void addPiece(Gather& gather, int64_t first, int64_t voxels, std::byte* to) const;
-  // Tells the store of whole rows, plane by plane, before the first is read: a disk serves many
-  // places at once faster than one after the other.
-  void expectPlanes(int64_t time, const Box3& rows) const;
+  // Whether the store should be told of a box before it is read.
+  bool isExpected(const Box3& box) const;
+  // Tells the store of the rows of a box, whole, plane by plane: a disk serves many places at once
+  // faster than one after the other.
+  void expectPlanes(int64_t time, const Box3& box) const;
 
   const VolumeLayout layout_;
   const bool swapped_;

@@ -30,6 +30,7 @@ class ForwardingSource : public VolumeSource,
   void readRegions(int64_t time, std::span<const RegionRead> regions) override {
     source_->readRegions(time, regions);
   }
+  void expectRegion(int64_t time, const Box3& box) override { source_->expectRegion(time, box); }
   std::optional<Occupancy> occupancy(int64_t time) override { return source_->occupancy(time); }
   std::string identity() const override { return source_->identity(); }
   std::span<const std::string> channelNames() const override {

@@ -105,6 +105,10 @@ class VolumeSource {
     for (const RegionRead& region : regions) readRegion(time, region.box, region.out);
   }
 
+  // A box (as in readRegion) that will be read soon: a source may begin to fetch it. Returns at
+  // once. Throws Error as readRegion does.
+  virtual void expectRegion(int64_t /*time*/, const Box3& /*box*/) {}
+
   // The cells in which voxels may differ from a constant; nullopt: anywhere.
   virtual std::optional<Occupancy> occupancy(int64_t /*time*/) { return std::nullopt; }
 

@@ -110,6 +110,7 @@ std::vector<PassPiece> tilesOf(const BlockLayout& layout, const std::vector<int6
   const Vec3i dims = layout.dims;
   const int64_t columns = std::max<int64_t>(1, most_voxels / (side * side * side)) * side;
   std::vector<PassPiece> pieces;
+  if (z >= dims.z) return pieces;
   for (int64_t y = 0; y < dims.y; y += side)
     for (int64_t x = 0; x < dims.x; x += columns) {
       PassPiece piece;

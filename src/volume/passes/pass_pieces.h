@@ -30,7 +30,8 @@ std::vector<PassPiece> runsOf(const BlockLayout& layout, const std::vector<int64
 
 // The tiles of `side` voxels along y and z, and of as many along x as `most_voxels` allow (a
 // multiple of `side`), in the layer that begins at plane `z`; only those that `blocks` (ascending)
-// reach into. A tile that another one follows along x is read with that one's first plane.
+// reach into, and none behind the last layer. A tile that another one follows along x is read with
+// that one's first plane.
 std::vector<PassPiece> tilesOf(const BlockLayout& layout, const std::vector<int64_t>& blocks,
                                int64_t side, int64_t z, int64_t most_voxels);
 

@@ -1,25 +1,44 @@
 #include "src/volume/passes/voxel_pass.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "src/base/memory/aligned_array.h"
 #include "src/volume/ranges/brick_ranges.h"
 
 namespace sluice {
 
-void passInTiles(const BlockLayout& layout, const std::vector<int64_t>& blocks, int64_t most_voxels,
-                 PassLayers layers, WorkerPool& pool, VoxelTaker& taker, const StopToken& stop,
-                 const TakePiece& take) {
+namespace {
+
+// Pieces that a source is told of beforehand, for each thread.
+constexpr size_t kExpectedPieces = 2;
+
+}  // namespace
+
+void passPieces(const PassedVoxels& passed, std::span<const PassPiece> pieces, size_t count,
+                const TakePiece& take) {
+  const size_t ahead = kExpectedPieces * static_cast<size_t>(passed.pool.threads());
+  passed.pool.parallelFor(static_cast<int64_t>(count), [&](int64_t i) {
+    passed.stop.throwIfStopped();
+    const auto piece = static_cast<size_t>(i);
+    if (const size_t later = piece + ahead; later < pieces.size())
+      passed.source.expectRegion(passed.time, pieces[later].read);
+    take(pieces[piece]);
+  });
+}
+
+void passInTiles(const PassedVoxels& passed, int64_t most_voxels, PassLayers layers,
+                 VoxelTaker& taker, const TakePiece& take) {
+  const BlockLayout& layout = passed.layout;
   const int64_t side = taker.side();
+  std::vector<PassPiece> next = tilesOf(layout, passed.blocks, side, 0, most_voxels);
   for (int64_t z = 0; z < layout.dims.z; z += side) {
     const bool is_wanted = taker.wantsLayer(z);  // asked first: take() depends on it
-    if (layers == PassLayers::kAll || is_wanted) {
-      const std::vector<PassPiece> tiles = tilesOf(layout, blocks, side, z, most_voxels);
-      pool.parallelFor(static_cast<int64_t>(tiles.size()), [&](int64_t i) {
-        stop.throwIfStopped();
-        take(tiles[static_cast<size_t>(i)]);
-      });
-    }
+    const size_t count = next.size();
+    std::vector<PassPiece> tiles = std::move(next);
+    next = tilesOf(layout, passed.blocks, side, z + side, most_voxels);
+    tiles.insert(tiles.end(), next.begin(), next.end());
+    if (layers == PassLayers::kAll || is_wanted) passPieces(passed, tiles, count, take);
     taker.layersBefore(std::min(z + side, layout.dims.z));
   }
 }
@@ -42,9 +61,9 @@ void passVoxels(VolumeSource& source, int64_t time, const BlockLayout& layout, W
     taker.take({piece.own, stored.get(), size.x, size.x * size.y});
     progress.add(voxels * voxel_bytes);
   };
-  passInTiles(layout, blocks,
+  passInTiles({source, time, layout, blocks, pool, stop},
               voxelsPerTile(voxel_bytes, most_bytes / static_cast<uint64_t>(pool.threads())),
-              PassLayers::kWanted, pool, taker, stop, take);
+              PassLayers::kWanted, taker, take);
 }
 
 }  // namespace sluice

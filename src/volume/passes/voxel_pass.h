@@ -7,8 +7,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <span>
 #include <vector>
 
+#include "src/base/sources/volume_source.h"
 #include "src/base/sources/voxel_taker.h"
 #include "src/base/threads/stop_token.h"
 #include "src/base/threads/worker_pool.h"
@@ -21,16 +23,30 @@ namespace sluice {
 // row of a very wide volume is cut.
 inline constexpr uint64_t kBytesPerRead = uint64_t{32} << 20;
 
+// The voxels of a pass, and the threads that read them.
+struct PassedVoxels {
+  VolumeSource& source;
+  int64_t time;
+  const BlockLayout& layout;
+  const std::vector<int64_t>& blocks;  // ascending
+  WorkerPool& pool;
+  const StopToken& stop;
+};
+
 // A pass calls this for its pieces, from any thread.
 using TakePiece = std::function<void(const PassPiece&)>;
 // Whether a pass leaves out the layers that the taker does not want.
 enum class PassLayers { kAll, kWanted };
 
-// Calls `take` for the tiles of `blocks` (ascending), and taker.layersBefore() at the end of each
-// layer. Throws Interrupted, and what `take` does.
-void passInTiles(const BlockLayout& layout, const std::vector<int64_t>& blocks, int64_t most_voxels,
-                 PassLayers layers, WorkerPool& pool, VoxelTaker& taker, const StopToken& stop,
-                 const TakePiece& take);
+// Calls `take` for the first `count` of the pieces. The source is told of each piece some pieces
+// before it is read, and of the next ones after those at the end: a disk works while the threads
+// count. Throws Interrupted, and what the source and `take` do.
+void passPieces(const PassedVoxels& passed, std::span<const PassPiece> pieces, size_t count,
+                const TakePiece& take);
+
+// The same for all tiles of the blocks, with taker.layersBefore() at the end of each layer.
+void passInTiles(const PassedVoxels& passed, int64_t most_voxels, PassLayers layers,
+                 VoxelTaker& taker, const TakePiece& take);
 
 // The most voxels of a tile if a voxel as it is read and as it is kept take `voxel_bytes` together.
 int64_t voxelsPerTile(size_t voxel_bytes, uint64_t thread_bytes);

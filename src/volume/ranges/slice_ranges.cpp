@@ -351,6 +351,7 @@ SliceRanges buildSliceRanges(VolumeSource& source, int64_t time, const BlockLayo
   const size_t stored_bytes = bytesPerVoxel(source.layout().type);
   const size_t voxel_bytes = stored_bytes + bytesPerVoxel(result.map.type);
   const uint64_t thread_bytes = most_bytes / static_cast<uint64_t>(pool.threads());
+  const PassedVoxels passed{source, time, layout, result.blocks, pool, stop};
   visitDeviceType(result.map.type, [&](auto tag) {
     Builder<decltype(tag)> builder(source, time, result, occupancy);
     const TakePiece take = [&](const PassPiece& piece) {
@@ -363,14 +364,10 @@ SliceRanges buildSliceRanges(VolumeSource& source, int64_t time, const BlockLayo
       uint64_t voxels = 0;
       for (const PassPiece& run : runs) voxels += static_cast<uint64_t>(run.own.count());
       progress.expect(voxels * stored_bytes);
-      pool.parallelFor(static_cast<int64_t>(runs.size()), [&](int64_t i) {
-        stop.throwIfStopped();
-        take(runs[static_cast<size_t>(i)]);
-      });
+      passPieces(passed, runs, runs.size(), take);
     } else {
       progress.expect(static_cast<uint64_t>(volume(layout.dims)) * stored_bytes);
-      passInTiles(layout, result.blocks, voxelsPerTile(voxel_bytes, thread_bytes), PassLayers::kAll,
-                  pool, *taker, stop, take);
+      passInTiles(passed, voxelsPerTile(voxel_bytes, thread_bytes), PassLayers::kAll, *taker, take);
     }
     bricks = builder.finish(backgroundOf(source, occupancy));
   });

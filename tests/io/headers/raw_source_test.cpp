@@ -208,6 +208,22 @@ TEST(RawSourceTest, theDiskIsNotToldOfPagesThatAreNotReadOrOfFew) {
   EXPECT_TRUE(store->expected.empty());
 }
 
+TEST(RawSourceTest, theDiskIsToldOfABoxThatIsReadLater) {
+  const Vec3i dims{5000, 20, 7};
+  const auto front = std::make_shared<MemoryStore>(""), back = std::make_shared<MemoryStore>("");
+  // Two time steps, in a file each.
+  RawSource source(layoutOf(dims, VoxelType::kU8, 2), std::endian::native,
+                   {{front, 100}, {back, 200}}, nullptr, "");
+  source.expectRegion(1, {{905, 3, 2}, {5000, 13, 4}});
+  const std::vector<std::pair<uint64_t, uint64_t>> rows{{200 + 43 * 5000, 50'000},
+                                                        {200 + 63 * 5000, 50'000}};
+  EXPECT_EQ(back->expected, rows);
+  source.expectRegion(0, {{0, 0, 2}, {5000, 20, 3}});  // a single piece
+  EXPECT_EQ(front->expected, (std::vector<std::pair<uint64_t, uint64_t>>{{200'100, 100'000}}));
+  source.expectRegion(0, {{0, 3, 2}, {904, 13, 4}});  // gaps of a page
+  EXPECT_EQ(front->expected.size(), 1U);
+}
+
 TEST(RawSourceTest, countsTheHeadersBytesToo) {
   const auto header = std::make_shared<MemoryStore>("");
   header->read_bytes = 7;
