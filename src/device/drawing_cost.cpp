@@ -4,17 +4,13 @@
 #include <cmath>
 
 namespace sluice {
-namespace {
 
-// Slices along the ray through the middle of the picture that lie in `cells`.
 double slicesAcross(const FrameSetup& setup, const Box3& cells) {
   const RayGrid& rays = setup.rays;
   const Vec3d step = rays.step0 + rays.step_dx * (0.5 * setup.size.width) +
                      rays.step_dy * (0.5 * setup.size.height);
   return 1 + length(toDouble(cells.size())) / length(step);
 }
-
-}  // namespace
 
 double aboutSamples(const FrameSetup& setup, const Box3& cells) {
   const RayGrid& rays = setup.rays;

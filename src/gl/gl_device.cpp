@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <array>
-#include <limits>
 #include <utility>
 
 #include "src/base/error.h"
 #include "src/gl/box_buffer.h"
+#include "src/gl/deep_boxes.h"
 #include "src/gl/filter_check.h"
 #include "src/gl/shaders/shading.h"
 
@@ -241,8 +241,11 @@ void GlDevice::drawOverKept(std::span<const BoxDraw> boxes, int row_lo, int row_
   }
 }
 
-void GlDevice::draw(std::span<const BoxDraw> boxes) {
+void GlDevice::draw(std::span<const BoxDraw> given) {
   context_->makeCurrent();
+  const std::vector<BoxDraw> parts =
+      cutDeepBoxes(setup_, given, mostSlices(variant_, 1 + setup_.others.size()));
+  std::span<const BoxDraw> boxes = parts;
   if (!setup_.others.empty()) return drawBlended(boxes);
   while (!boxes.empty()) {
     auto of_chunk = firstAlike(boxes, [](const BoxDraw& a, const BoxDraw& b) {  //
@@ -385,15 +388,7 @@ Picture GlDevice::endFrame() {
       resolveMode(setup_, valueScale(setup_.type), picture.rgba);
   }
   if (variant_.with_depth) {
-    std::vector<float> sums;
-    target_.read(GL_COLOR_ATTACHMENT1, sums);
-    picture.depth.resize(picture.rgba.size() / 4);
-    for (size_t i = 0; i < picture.depth.size(); ++i) {
-      const float opacity = sums[4 * i + 3];
-      // Nothing there: infinitely far, as renderers write it.
-      picture.depth[i] =
-          opacity > 0 ? sums[4 * i] / opacity : std::numeric_limits<float>::infinity();
-    }
+    target_.readDepth(picture.depth);
   }
   return picture;
 }

@@ -1,5 +1,6 @@
 #include "src/gl/render_target.h"
 
+#include <limits>
 #include <utility>
 
 #include "src/base/error.h"
@@ -85,6 +86,16 @@ void RenderTarget::read(GLenum attachment, std::vector<float>& rgba) {
     gl_.PixelStorei(kPackInvert, GL_FALSE);
   else
     gl_.BindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
+}
+
+void RenderTarget::readDepth(std::vector<float>& depth) {
+  std::vector<float> sums;
+  read(GL_COLOR_ATTACHMENT1, sums);
+  depth.resize(sums.size() / 4);
+  for (size_t i = 0; i < depth.size(); ++i) {
+    const float opacity = sums[4 * i + 3];
+    depth[i] = opacity > 0 ? sums[4 * i] / opacity : std::numeric_limits<float>::infinity();
+  }
 }
 
 void RenderTarget::turn() {

@@ -33,6 +33,9 @@ class RenderTarget {
 
   // RGBA of GL_COLOR_ATTACHMENT0 or 1 into `rgba`, top row first, whatever it held.
   void read(GLenum attachment, std::vector<float>& rgba);
+  // The depths whose sums over a pixel's samples, weighted by opacity, the second picture has;
+  // infinity where nothing shows, as renderers write it.
+  void readDepth(std::vector<float>& depth);
 
  private:
   void makeFloats(GLuint texture, PictureSize size) const;
