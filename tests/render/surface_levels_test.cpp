@@ -246,6 +246,29 @@ TEST_F(SurfaceLevelsTest, castTheShadowsOfTheirArea) {
   }
 }
 
+// The shadows of a thin sheet, which the levels have wide and weak.
+TEST_F(SurfaceLevelsTest, ofTheFinestLevelAloneAreLitAsOfAVolumeOfOneLevel) {
+  const auto source = makeMemorySource<uint8_t>(
+      Vec3i{90, 90, 90},
+      [](int64_t x, int64_t y, int64_t z) { return z == 60 || x + y == 80 ? 200.0 : 20.0; });
+  Pyramid pyramid(*source, 3, true, Spreads::kKept, 16);
+  FrameOptions options = obliqueView(Projection::kOrtho, {72, 64});
+  options.lighting.shadows = 1;
+  options.lighting.occlusion = 1;
+  const auto [alone, alone_report] = draw(*sessionOf(pyramid, surface(100), true), options);
+  options.cut = CutOptions{.pixel_error = 0.01};
+  const auto session = sessionOf(pyramid, surface(100), true);
+  const auto [finest, finest_report] = draw(*session, options);
+  ASSERT_EQ(finest_report.cut->levels.size(), 1U);
+  EXPECT_LT(compare(finest, alone).max_255, 1);
+  // A coarser picture between takes nothing from it.
+  options.cut->pixel_error = 8;
+  const auto [coarse, coarse_report] = draw(*session, options);
+  EXPECT_GT(coarse_report.cut->levels.front().level, 0);
+  options.cut->pixel_error = 0.01;
+  EXPECT_LT(compare(draw(*session, options).picture, alone).max_255, 1);
+}
+
 // A bright sheet of one voxel: the means of level 3 stay below the surface's value.
 TEST_F(SurfaceLevelsTest, thinSheetsAreCountedAndKept) {
   const auto source = makeMemorySource<uint8_t>(

@@ -71,9 +71,9 @@ LightVolumePtr ArrivingLight::of(const TimeStep& step, const LookPtr& look, Matt
   const Lighting& lighting = options.lighting;
   if (!lighting.looksAround()) return nullptr;
   const VolumeLayout& layout = step.source->layout();
-  const CoarseExtinctionPtr whole = matter_.of({step.source, step.time, look, from}, [&] {
-    return coarseExtinction(step, *look, from, pool, options.stop);
-  });
+  const CoarseExtinctionPtr whole = matter_[from == MatterFrom::kFinest ? 0 : 1].of(
+      {step.source, step.time, look},
+      [&] { return coarseExtinction(step, *look, from, pool, options.stop); });
   const std::vector<ClipPlane> planes = planesAround(layout, options);
   const CoarseExtinctionPtr matter =
       planes.empty() ? whole : shown_.of({whole, planes}, [&] { return within(*whole, planes); });
@@ -109,10 +109,10 @@ LightVolumePtr ArrivingLight::of(const TimeStep& step, const LookPtr& look, Matt
 
 uint64_t lightBytes(const VolumeLayout& layout, int threads) {
   const auto texels = static_cast<uint64_t>(coarseGrid(layout).count());
-  // Extinctions, whole and cropped, and the sums that they are means of, or the key and the ambient
-  // light; the light volume, and its copy on a device that has textures in memory or keeps it in
-  // squares (src/cpu/light_squares.h).
-  constexpr uint64_t kTexelBytes = 2 * sizeof(float) + 2 * sizeof(double) + 4 + 8;
+  // Extinctions, of both sources and cropped, and the sums that they are means of, or the key and
+  // the ambient light; the light volume, and its copy on a device that has textures in memory or
+  // keeps it in squares (src/cpu/light_squares.h).
+  constexpr uint64_t kTexelBytes = 3 * sizeof(float) + 2 * sizeof(double) + 4 + 8;
   const uint64_t read = static_cast<uint64_t>(std::min(kMostCoarseVoxelsRead, volume(layout.dims)));
   return texels * kTexelBytes +
          static_cast<uint64_t>(threads) * read * bytesPerVoxel(deviceMap(layout).type) * 2;

@@ -8,6 +8,7 @@
 // of the directions and counts as open. One thread; sweeps run on all threads of the pool.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -34,7 +35,6 @@ class ArrivingLight {
     VolumeSource* source;
     int64_t time;
     Identity<Look> look;
-    MatterFrom from;
     friend bool operator==(const MatterKey&, const MatterKey&) = default;
   };
   struct ShownKey {
@@ -50,7 +50,9 @@ class ArrivingLight {
     friend bool operator==(const LightKey&, const LightKey&) = default;
   };
 
-  Memo<MatterKey, const CoarseExtinction> matter_;
+  // Of the finest voxels and of levels: previews of a picture of level 0 come between such
+  // pictures.
+  std::array<Memo<MatterKey, const CoarseExtinction>, 2> matter_;
   Memo<ShownKey, const CoarseExtinction> shown_;
   Memo<Identity<CoarseExtinction>, const Numbers> ambient_;
   Memo<LightKey, const LightVolume> light_;

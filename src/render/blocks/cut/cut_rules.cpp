@@ -116,6 +116,11 @@ int finestLevelDrawn(const VisibleBlocks& blocks) {
   return blocks.cut && !blocks.cut->levels.empty() ? blocks.cut->levels.front().level : 0;
 }
 
+bool drawsFinestAlone(const VisibleBlocks& blocks) {
+  return !blocks.cut || std::ranges::all_of(blocks.cut->levels,
+                                            [](const auto& level) { return level.level == 0; });
+}
+
 double spacingOfLevel(const TimeStep& step, int level) {
   const VolumeLayout& volume = step.source->layout();
   const Vec3d spacing = volume.spacing * step.layout().level(level).placement.scale;

@@ -45,6 +45,8 @@ int finestLevelShown(const TimeStep& step, const View& view, const CutOptions& o
 int coarsestLevelShown(const TimeStep& step, const View& view, const VisibleBlocks& blocks);
 // The finest level of the blocks of the whole picture; 0 if there are none.
 int finestLevelDrawn(const VisibleBlocks& blocks);
+// Whether the whole picture, and what lies beside it, has no block of a coarser level.
+bool drawsFinestAlone(const VisibleBlocks& blocks);
 // The finest spacing of a level's voxels in units of the volume's finest spacing.
 double spacingOfLevel(const TimeStep& step, int level);
 
