@@ -114,4 +114,10 @@ constexpr const ModeTraits& traitsOf(Mode mode) {
   return kModeTraits[static_cast<size_t>(mode)];
 }
 
+// Whether another distance of samples (FrameOptions::step_vox) makes another picture. Modes on
+// planes take places between the planes only at distances below a voxel.
+constexpr bool stepCounts(Mode mode, double step_vox) {
+  return !traitsOf(mode).on_planes || step_vox < 1;
+}
+
 }  // namespace sluice

@@ -18,9 +18,10 @@ bool isIntegrated(const ViewState& state) {
 bool mayBeLit(const ViewState& state) {
   return hasColors(state) && state.look.light != LookOptions::Light::kOff;
 }
-// The other modes take values of the voxel planes.
-bool hasSlices(const ViewState& state) {
-  return hasColors(state) || isAttenuated(state) || state.look.mode == LookOptions::Mode::kAverage;
+// The other modes take values of the voxel planes, and of places between them at small steps.
+bool stepCounts(const ViewState& state) {
+  return hasColors(state) || isAttenuated(state) ||
+         state.look.mode == LookOptions::Mode::kAverage || state.step_vox.value_or(1) < 1;
 }
 bool isLater(const ViewState& state) {
   return state.time != 0;
@@ -46,7 +47,7 @@ std::vector<OptionEntry> pictureEntries() {
                               .kind = {Form::kNumber, {0, 1e6, true}},
                               .value = "VOXELS",
                               .help = "Distance between slices in voxels of the finest spacing",
-                              .is_printed = hasSlices}),
+                              .is_printed = stepCounts}),
       in(&Picture::quality, {.key = "quality",
                              .option = "--quality",
                              .heading = kDrawingHeading,

@@ -128,6 +128,17 @@ TEST(Films, haveTheirFramesByFfmpegItself) {
       << "the mark is found";
 }
 
+// A camera that comes near takes smaller steps, as it does in a picture of its own.
+TEST(Paths, haveTheStepOfEachCamera) {
+  const Program program;
+  writeFile(program.folder / "path.json", R"({"keys": [{"at": 0, "azimuth": 20, "zoom": 0.3},
+    {"at": 1, "azimuth": 20, "zoom": 4}]})");
+  const std::string render = std::string("render ") + kSmall + " --size 40 -q --no-shade ";
+  ASSERT_EQ(program.run(render + "--path path.json --frames 2 -o f_%d.png").status, 0);
+  ASSERT_EQ(program.run(render + "--azimuth 20 --zoom 4 -o near.png").status, 0);
+  EXPECT_TRUE(readFile(program.folder / "near.png") == readFile(program.folder / "f_1.png"));
+}
+
 TEST(Paths, goAlongTheStepsOfASeries) {
   const Program program;
   writeFile(program.folder / "path.json", R"({"keys": [{"at": 0, "azimuth": 0, "elevation": 10},

@@ -74,6 +74,18 @@ TEST_F(IdleOptions, areAWarningEachAndChangeNoPicture) {
   }
 }
 
+// Below a voxel, a step takes places between the planes of voxels.
+TEST_F(IdleOptions, smallStepsCountInModesOnPlanes) {
+  for (const std::string mode : {"--mode mip", "--mode depth-mip"}) {
+    said(mode + " --azimuth 20");
+    const std::string without = picture();
+    EXPECT_THAT(said(mode + " --azimuth 20 --step 0.25"), Not(HasSubstr("warning")));
+    EXPECT_FALSE(picture() == without) << mode;
+    EXPECT_THAT(said(mode + " --azimuth 20 --step 1"), HasSubstr("--step changes nothing"));
+    EXPECT_TRUE(picture() == without) << mode;
+  }
+}
+
 TEST_F(IdleOptions, aboutLevelsAreWarningsIfOneLevelIsDrawn) {
   const std::string why = " changes nothing in a picture from level 0 alone";
   for (const std::string option : {"--pixel-error 3", "--max-bytes 1M", "--keep-thin"}) {

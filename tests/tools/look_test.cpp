@@ -242,8 +242,9 @@ TEST(Look, modesTakeTheWholeRange) {
   const auto range = program.json(std::string("info ") + kSmall)["value_range"];
   for (const std::string mode : {"mip", "minip", "average"}) {
     const auto report = program.json(line + "--mode " + mode);
-    EXPECT_EQ(lookOptions(report), fmt::format("--map grey --range {},{}", range[0].get<double>(),
-                                               range[1].get<double>()));
+    EXPECT_EQ(lookOptions(report),
+              fmt::format("--map grey --range {},{}{}", range[0].get<double>(),
+                          range[1].get<double>(), mode == "average" ? " --step 1" : ""));
     EXPECT_EQ(report["blocks"]["white"], 0) << "everything takes part";
     const std::string own = lookOptions(program.json(line + "--threshold 90 --mode " + mode));
     EXPECT_THAT(own, HasSubstr("--threshold 90"));

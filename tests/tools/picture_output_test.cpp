@@ -219,6 +219,15 @@ TEST(PictureOutput, whatRisesInASeriesRisesInItsPictures) {
   EXPECT_NEAR(alone0, alone2, 1);
   EXPECT_GT(large0, 2 * count0);
   EXPECT_NEAR(large0, large2, 0.02 * large0);
+  // All pictures of a range have the first one's look and fit.
+  const CommandResult range = program.run(
+      "render 'ball_%d.raw' --dims 32,32,32 --type u8 --threshold 100 --opacity 1 "
+      "--size 90 -o r_%d.png --time 1:2 --this-step");
+  ASSERT_EQ(range.status, 0) << range.output;
+  draw(1, "--this-step");
+  EXPECT_TRUE(readFile(program.folder / "r_1.png") == readFile(program.folder / "a.png"));
+  EXPECT_GT(shownAt(readPng(program.folder / "r_1.png")).first,
+            shownAt(readPng(program.folder / "r_2.png")).first + 15);
 }
 
 TEST(PictureOutput, whatIsVisibleFillsThePictureAlsoOfACrop) {

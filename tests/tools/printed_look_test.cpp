@@ -116,13 +116,16 @@ TEST_F(PrintedLook, hasTheOptionsThatCountAndNoOthers) {
 
 TEST_F(PrintedLook, ofOtherModesGivesTheSamePicture) {
   for (const char* mode : {"mip", "minip", "average", "attenuated-mip", "depth-mip"})
-    for (const char* settings : {"", "--threshold 60", "--map red --range 20,200"}) {
+    for (const char* settings : {"", "--threshold 60", "--map red --range 20,200", "--step 0.3"}) {
       SCOPED_TRACE(fmt::format("{} {}", mode, settings));
       look(fmt::format("{} --mode {}", kSmall, mode), settings);
       look(fmt::format("{} --over {} --mode {}", kSpot, kLabels, mode), settings);
     }
   look(fmt::format("{} --over {} --mode attenuated-mip", kSpot, kLabels),
        "--look 0:red --attenuation 0.4");
+  for (const char* mode : {"average", "attenuated-mip"})
+    EXPECT_THAT(look(fmt::format("{} --mode {}", kSmall, mode), "--step 7"), HasSubstr("--step 7"));
+  EXPECT_THAT(look(std::string(kSmall) + " --mode mip", ""), Not(HasSubstr("--step")));
 }
 
 // --shade lights both volumes, and without it the first one alone is lit.

@@ -59,6 +59,15 @@ RefinedFrame drawRow(const RenderJob& job, const FrameOptions& options, const Ro
   return frame;
 }
 
+// Sets the camera, and unless --step is given the distance of samples that suits it; and the line
+// that reproduces the look with that distance.
+void look(const RenderJob& job, const Camera& camera, FrameOptions& options) {
+  options.camera = camera;
+  options.step_vox = job.arguments.frame.step_vox;
+  if (!job.has_step) options.step_vox = job.scene.chosenStep(job.scene.volume.step(), options);
+  job.scene.drawn_look = job.scene.lookOf(options, *job.arguments.asked);
+}
+
 // The frames of a job, and what was drawn of them so far.
 class Frames {
  public:
@@ -105,7 +114,7 @@ class Frames {
 
   // Tells the session and the series which frame comes, and which one next.
   void show(size_t at) {
-    options_.camera = cameraOf(job_.cameras, job_.to_draw[at]);
+    look(job_, cameraOf(job_.cameras, job_.to_draw[at]), options_);
     scene_.setOptions(options_);
     if (!isSeries(arguments_)) return;
     // The next step's blocks would take the room of those that the next strip needs again.
@@ -191,9 +200,7 @@ const Camera& cameraOf(const std::vector<Camera>& cameras, int64_t frame) {
 
 FrameOptions drawingOptions(const RenderJob& job) {
   FrameOptions options = job.arguments.frame;
-  options.camera = job.cameras.front();
-  if (!job.has_step) options.step_vox = job.scene.chosenStep(job.scene.volume.step(), options);
-  job.scene.drawn_look = job.scene.lookOf(options, *job.arguments.asked);
+  look(job, job.cameras.front(), options);
   options.lighting.flat_share *= job.scene.look.flat_scale;
   options.count_samples = wantsReport(job.arguments);
   options.keep_phases = job.arguments.debug_view;

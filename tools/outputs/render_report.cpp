@@ -40,7 +40,7 @@ std::string channelsLine(const Scene& scene) {
 // The values that were chosen, in place of "auto" and of defaults that stand for a choice.
 void addChosen(nlohmann::json& options, const RenderArguments& arguments, const Drawn& drawn,
                const Scene& scene) {
-  if (!traitsOf(arguments.frame.mode).on_planes)
+  if (stepCounts(arguments.frame.mode, drawn.step_vox))
     options["step"] = fmt::format("{}", drawn.step_vox);
   options["threads"] = fmt::format("{}", scene.pool.threads());
   const std::string device = nameOf(*scene.device);

@@ -198,13 +198,15 @@ std::string Scene::lookText() const {
 }
 
 std::string Scene::lookOf(const FrameOptions& options, const PictureOptions& picture) const {
-  if (!traitsOf(options.mode).has_colors) return lookText();
+  std::string text = lookText();
+  if (stepCounts(options.mode, options.step_vox))
+    text += fmt::format(" --step {}", options.step_vox);
+  if (!traitsOf(options.mode).has_colors) return text;
   ViewState state;
   static_cast<PictureOptions&>(state) = picture;
   const bool is_lit = std::ranges::any_of(layers(), [](const Layer* of) { return of->look.lit; });
   state.look.light = is_lit ? LookOptions::Light::kOn : LookOptions::Light::kOff;
-  return lookText() + fmt::format(" --step {}", options.step_vox) +
-         (integrates(options) ? " --quality normal" : "") + optionsText(lightWords(state));
+  return text + (integrates(options) ? " --quality normal" : "") + optionsText(lightWords(state));
 }
 
 bool Scene::integrates(const FrameOptions& options) const {
