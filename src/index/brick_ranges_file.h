@@ -12,7 +12,7 @@
 namespace sluice {
 
 // Version of the format: raised when the bytes, or the meaning of BrickRanges, change.
-inline constexpr uint32_t kBrickRangesVersion = 2;
+inline constexpr uint32_t kBrickRangesVersion = 3;
 
 // The bytes are in this machine's order.
 std::vector<std::byte> serialize(const BrickRanges& bricks);

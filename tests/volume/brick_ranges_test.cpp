@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "tests/support/function_source.h"
 #include "tests/support/random_volume.h"
 #include "tests/volume/slice_ranges_check.h"
 
@@ -83,6 +84,26 @@ TEST(BrickRanges, missingChunksChangeNoBricks) {
   occupancy.boxes = {{{1000, 0, 0}, {1008, 8, 8}}};
   const Vec3i dims{4096, 4096, 4096};
   EXPECT_EQ(brickCells(dims, occupancy), boxOf(dims - Vec3i{1, 1, 1}));
+}
+
+// The stored boxes have no voxel of the background, 7.
+TEST(BrickRanges, includeTheBackgroundOnlyWithMissingVoxels) {
+  const Vec3i dims{150, 140, 130};
+  const std::vector<Box3> boxes{{{0, 0, 0}, {150, 40, 130}}, {{33, 50, 20}, {61, 99, 100}}};
+  const auto valueAt = [&](Vec3i p) {
+    const bool is_stored = boxes[0].contains(p) || boxes[1].contains(p);
+    return is_stored ? static_cast<double>(20 + (p.x * 7 + p.y * 5 + p.z) % 200) : 7.0;
+  };
+  FunctionSource sparse(
+      functionLayout(dims, VoxelType::kU8), [&](int64_t, Vec3i p) { return valueAt(p); },
+      Occupancy{7, boxes});
+  for (const int64_t block : {4, 16, 64})
+    for (const int ghost : {0, 1}) {
+      const BrickRanges bricks = bricksOf(sparse, block, ghost);
+      EXPECT_EQ(bricks.side, 3);
+      expectBricksOf<uint8_t>(bricks, valueAt);
+      if (HasFatalFailure()) FAIL() << block << " ghost " << ghost;
+    }
 }
 
 TEST(BrickRanges, aSparseVolumeHasThemWhereItHasVoxels) {

@@ -43,4 +43,33 @@ BrickRanges brickGrid(const Box3& cells) {
   return grid;
 }
 
+std::vector<bool> reachesBeyond(const BrickRanges& grid, const BlockLayout& layout,
+                                std::span<const int64_t> blocks) {
+  const Vec3i bricks = grid.grid(), one{1, 1, 1};
+  const auto eachBrick = [&](const Box3& box, const auto& call) {
+    for (int64_t z = box.lo.z; z < box.hi.z; ++z)
+      for (int64_t y = box.lo.y; y < box.hi.y; ++y)
+        for (int64_t x = box.lo.x; x < box.hi.x; ++x)
+          call(static_cast<size_t>((z * bricks.y + y) * bricks.x + x), Vec3i{x, y, z});
+  };
+  std::vector<int64_t> found(static_cast<size_t>(volume(bricks)));
+  for (const int64_t block : blocks) {
+    const Box3 cells = intersect(layout.ownedCells(layout.indexOf(block)), grid.cells);
+    if (cells.empty()) continue;
+    const Box3 own{(cells.lo - grid.cells.lo) / grid.side,
+                   (cells.hi - one - grid.cells.lo) / grid.side + one};
+    eachBrick(own, [&](size_t brick, Vec3i /*index*/) { ++found[brick]; });
+  }
+  std::vector<bool> reaches(found.size());
+  eachBrick({{}, bricks}, [&](size_t brick, Vec3i index) {
+    const Box3 cells = grid.cellsOf(index);
+    const Vec3i first = cells.lo / layout.cells(), last = (cells.hi - one) / layout.cells();
+    // Computed in doubles: a brick of a sparse volume may have more blocks than 63 bits count.
+    double all = 1;
+    for (int a = 0; a < 3; ++a) all *= static_cast<double>(last[a] - first[a] + 1);
+    reaches[brick] = static_cast<double>(found[brick]) < all;
+  });
+  return reaches;
+}
+
 }  // namespace sluice

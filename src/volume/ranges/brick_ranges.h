@@ -30,7 +30,8 @@ struct BrickRanges {
   Box3 cells;        // cells of the volume that bricks cover; beyond them all is background
   int64_t side = 1;  // cells of a brick, fewer at the upper end of `cells`
   // PlaneRange<T> of each brick, x fastest: of every voxel around its cells, the border included.
-  // NaN does not count; lo > hi: nothing else is there.
+  // Voxels that the source does not store count as its background. NaN does not count; lo > hi:
+  // nothing else is there.
   std::vector<std::byte> ranges;
 
   Vec3i grid() const { return (cells.size() + Vec3i{side - 1, side - 1, side - 1}) / side; }
@@ -65,15 +66,27 @@ void passVoxels(VolumeSource& source, int64_t time, const BlockLayout& layout, W
                 ProgressMeter& progress, uint64_t most_bytes, const StopToken& stop,
                 VoxelTaker& taker);
 
+// Whether each brick of `grid`, x fastest, has a cell of a block that is not among `blocks`.
+// Requires: `blocks` is in ascending order without repeats.
+std::vector<bool> reachesBeyond(const BrickRanges& grid, const BlockLayout& layout,
+                                std::span<const int64_t> blocks);
+
 // Fills a grid box by box, from any thread.
 template <class T>
 class BrickRangesBuilder {
  public:
-  // `background`: the device value of voxels that no box covers, if there are such voxels.
-  BrickRangesBuilder(BrickRanges grid, std::optional<double> background) : grid_(std::move(grid)) {
-    PlaneRange<T> initial = kNoVoxels<T>;
-    if (background) take(initial.lo, initial.hi, static_cast<T>(*background));
-    result_.assign(static_cast<size_t>(volume(grid_.grid())), initial);
+  explicit BrickRangesBuilder(BrickRanges grid) : grid_(std::move(grid)) {
+    result_.resize(static_cast<size_t>(volume(grid_.grid())), kNoVoxels<T>);
+  }
+
+  // `background`: the device value of all voxels of the blocks that are not among `blocks`. Bricks
+  // without a cell of such a block get the range of their voxels alone.
+  void addBackground(double background, const BlockLayout& layout, std::span<const int64_t> blocks)
+      SLUICE_EXCLUDES(mutex_) {
+    const std::vector<bool> has_background = reachesBeyond(grid_, layout, blocks);
+    const MutexLock lock(mutex_);
+    for (size_t i = 0; i < result_.size(); ++i)
+      if (has_background[i]) take(result_[i].lo, result_[i].hi, static_cast<T>(background));
   }
 
   // The voxels of `box`, x fastest and packed. Boxes may overlap.

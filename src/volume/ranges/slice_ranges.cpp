@@ -110,8 +110,10 @@ class Builder {
       : source_(source),
         time_(time),
         result_(result),
-        bricks_(brickGrid(brickCells(result.layout.dims, occupancy)),
-                backgroundOf(source, occupancy)) {
+        bricks_(brickGrid(brickCells(result.layout.dims, occupancy))) {
+    // Blocks outside the stored boxes are not read: all their voxels are the background.
+    if (const std::optional<double> background = backgroundOf(source, occupancy))
+      bricks_.addBackground(*background, result.layout, result.blocks);
     totals_.resize(result.blocks.size(), kNoVoxels<T>);
     planes_.resize(result.blocks.size() * perBlock(), kNoVoxels<T>);
   }
