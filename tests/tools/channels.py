@@ -2,7 +2,7 @@
 """Volumes of several channels by zarr-python and tifffile, and sums of pictures by NumPy.
 
   channels.py write            writes cells.ome.zarr, cells.ome.tif, flat.ome.zarr, deep.ome.zarr,
-                               eight.ome.zarr into this folder
+                               eight.ome.zarr, moving.ome.zarr into this folder
   channels.py sum WHOLE PART.. prints the largest difference of WHOLE and the sum of the PARTs, in 1/255
   channels.py flat WHOLE       the same of WHOLE and the projection of flat.ome.zarr
   channels.py deep WHOLE       the same of WHOLE and deep.ome.zarr, blended
@@ -38,9 +38,11 @@ def cells():
 
 def write_zarr(name, voxels):
     group = zarr.open_group(name, mode='w')
-    group.create_dataset('0', data=voxels, chunks=(1, 16, 32, 32))
-    axes = [dict(name='c', type='channel')] + [dict(name=n, type='space', unit='micrometer') for n in 'zyx']
-    scale = [1, 1.5, 0.5, 0.5] if name.startswith('cells') else [1, 1, 1, 1]
+    has_time = voxels.ndim == 5
+    group.create_dataset('0', data=voxels, chunks=(1, 1, 16, 32, 32)[-voxels.ndim:])
+    axes = [dict(name='t', type='time')] * has_time + [dict(name='c', type='channel')]
+    axes += [dict(name=n, type='space', unit='micrometer') for n in 'zyx']
+    scale = [1] * has_time + ([1, 1.5, 0.5, 0.5] if name.startswith('cells') else [1, 1, 1, 1])
     transform = [dict(type='scale', scale=scale)]
     group.attrs['multiscales'] = [
         dict(version='0.4', axes=axes, datasets=[dict(path='0', coordinateTransformations=transform)])]
@@ -69,6 +71,7 @@ def write():
     deep = np.random.default_rng(4).integers(0, 6000, (4, 9, 32, 48)).astype('u2')
     np.save('deep.npy', deep)
     write_zarr('deep.ome.zarr', deep)
+    write_zarr('moving.ome.zarr', np.stack([eight[:4], deep[:, :6]]))
 
 
 def deep():

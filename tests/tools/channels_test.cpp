@@ -232,6 +232,21 @@ TEST_F(Channels, aRowOfPicturesShowsAllInEachOfThem) {
   }
 }
 
+TEST_F(Channels, severalOfThemMayBeDrawnOverTime) {
+  const std::string common = " --range 400,3000 --background 000000 ";
+  ASSERT_EQ(program_.run("pack moving.ome.zarr -o packed.zarr").status, 0);
+  for (const char* store : {"moving.ome.zarr", "packed.zarr"}) {
+    render(store + common + "--channel 0,Spots --time 0:1 -o whole_#.png");
+    for (const int t : {0, 1}) {
+      render(
+          fmt::format("{}{}--channel 0,Spots --time {} --this-step -o one.png", store, common, t));
+      EXPECT_LE(difference(fmt::format("sum whole_{}.png one.png", t), 100), 0);
+    }
+  }
+  EXPECT_THAT(program_.run("render moving.ome.zarr --channel 0,1 --time 0:2 -o a.png").output,
+              HasSubstr("--time 2: the volume has 2 time steps"));
+}
+
 TEST_F(Channels, wrongOnesAreRefusedInOneLine) {
   const std::vector<std::pair<std::string, std::string>> wrong = {
       {"cells.ome.zarr --channel 0,7 -o a.png",

@@ -9,7 +9,7 @@
 #include "src/base/values/bytes.h"
 #include "src/library/drawing/cost/picture_memory.h"
 #include "src/library/drawing/scene/refined_frame.h"
-#include "src/library/opening/checked_source.h"
+#include "src/library/opening/shown_channels.h"
 #include "src/view/state/view_path.h"
 #include "tools/commands/debug_views.h"
 #include "tools/options/picture_checks.h"
@@ -139,7 +139,7 @@ void checkLastStep(const Arguments& arguments) {
   if (!arguments.times) return;
   VolumeArguments last = arguments.volume;
   last.time = arguments.times->at(arguments.times->count() - 1);
-  openSource(last);
+  openChannels(last);
 }
 
 std::vector<int64_t> framesToDraw(const Arguments& arguments, Team* team) {

@@ -27,7 +27,7 @@ PictureOutput pictureOutput(const RenderArguments& arguments);
 
 // Throws Error, or a usage error, for options that do not go together.
 void checkOutput(const RenderArguments& arguments);
-// Throws Error if the series lacks the last step asked for.
+// Throws Error if the series lacks the last step asked for, in any channel that is shown.
 void checkLastStep(const RenderArguments& arguments);
 // The cut to draw from. Throws Error if levels are asked for with --culling.
 std::optional<CutOptions> cutOf(const RenderArguments& arguments, Team* team);
