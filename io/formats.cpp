@@ -7,6 +7,7 @@
 #include <fmt/ranges.h>
 
 #include "io/dicom/dicom_folder.h"
+#include "io/dicom/dicom_header.h"
 #include "io/dicom/dicom_source.h"
 #include "io/files/file_list.h"
 #include "io/hdf5/bdv_xml.h"
@@ -115,9 +116,18 @@ Source joinRawSlices(const std::vector<std::string>& files, const OpenOptions& o
   return openRawSlices({files.begin(), files.end()}, rawOptions(options));
 }
 
+// Whether the options or the name give the size and type of voxels without a header.
+bool isStatedRaw(const NamedInput& input, const OpenOptions& options) {
+  const RawName name = parseRawName(input.file.filename().string());
+  const std::string ending = lowerExtension(input.file);
+  return (options.dims || name.dims) && (options.type || name.type) && ending != ".dcm" &&
+         ending != ".dicom";
+}
+
 bool isDicom(const NamedInput& input, const OpenOptions& options) {
   if (input.is_folder) return !areSlicesWithoutHeaders(input, options) && isDicomFolder(input.file);
-  return looksLikeDicom(input.head);
+  return hasAt(input.head, kDicomPreambleBytes, "DICM") ||
+         (!isStatedRaw(input, options) && looksLikeDicom(input.head));
 }
 
 DicomOptions dicomOptions(const OpenOptions& options) {

@@ -1,8 +1,52 @@
 #include "io/dicom/dicom_header.h"
 
+#include <algorithm>
+#include <cstring>
+#include <span>
+#include <string_view>
+
 #include "src/base/error.h"
 
 namespace sluice {
+namespace {
+
+// Elements that are text in every file: those of group 8 up to the class of images, without the
+// two lengths and a sequence, and the names of classes, syntax and writer in group 2.
+bool isText(DicomTag tag) {
+  const bool is_of_image = tag > 0x00080001 && tag <= 0x00080018 && tag != 0x00080006;
+  return is_of_image || (tag >= 0x00020002 && tag <= 0x00020013);
+}
+
+bool isPrintable(std::string_view value) {
+  if (value.ends_with('\0')) value.remove_suffix(1);  // padding
+  return std::ranges::all_of(value, [](char c) { return c >= ' ' && c <= '~'; });
+}
+
+bool startsWithElements(std::string_view head) {
+  constexpr uint64_t kAnyBytes = uint64_t{1} << 40;  // the file may go on behind the head
+  const DicomInput input{"", kAnyBytes, [&](uint64_t at, std::span<std::byte> out) {
+                           const size_t got =
+                               std::min(out.size(), head.size() - std::min(at, head.size()));
+                           std::memcpy(out.data(), head.data() + at, got);
+                           return got;
+                         }};
+  DicomElements elements(input, 0, {});
+  bool has_text = false;
+  DicomTag previous = 0;
+  while (const auto e = elements.next(kAnyBytes)) {
+    const DicomTag group = e->tag >> 16;
+    if (e->tag <= previous || (previous < 0x00080000 && group != 2 && group != 8)) return false;
+    if (group > 8 || e->isUndefined()) break;
+    const std::string_view value = head.substr(std::min(e->at, head.size()), e->length);
+    if (e->length % 2 != 0 || (isText(e->tag) && !isPrintable(value))) return false;
+    has_text = has_text || (isText(e->tag) && !value.empty());
+    previous = e->tag;
+    elements.skip(*e);
+  }
+  return has_text;
+}
+
+}  // namespace
 
 DicomFunctions DicomFunctions::orElse(const DicomFunctions& other) const {
   DicomFunctions all = *this;
@@ -71,6 +115,12 @@ void requireDicomPixels(const DicomHeader& h) {
          h.path, in_fragments ? "" : "not ");
   if (h.is_float && in_fragments)
     fail("{}: a DICOM image of compressed floats, expected them plain", h.path);
+}
+
+bool looksLikeDicom(std::string_view head) {
+  if (head.size() >= kDicomPreambleBytes + 4 && head.substr(kDicomPreambleBytes, 4) == "DICM")
+    return true;
+  return startsWithElements(head);
 }
 
 }  // namespace sluice

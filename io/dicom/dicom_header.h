@@ -71,8 +71,11 @@ struct DicomHeader {
   }
 };
 
+inline constexpr uint64_t kDicomPreambleBytes = 128;
+
 // Whether a file that begins with these bytes is a DICOM file: it has "DICM" behind a preamble, or
-// begins with a data element that files without one begin with.
+// begins with data elements that files without one begin with: in ascending order from group 2 or
+// 8 on, and one of them is text. Voxels may look like one element.
 bool looksLikeDicom(std::string_view head);
 
 // Reads the header, as far as the pixels. Throws Error: the file is damaged; it is no DICOM file.

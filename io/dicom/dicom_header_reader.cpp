@@ -9,7 +9,6 @@
 namespace sluice {
 namespace {
 
-constexpr uint64_t kPreambleBytes = 128;
 constexpr int kMostDepth = 32;  // of sequences in sequences
 constexpr DicomTag kFloatPixels = 0x7FE00008, kDoublePixels = 0x7FE00009, kPixels = 0x7FE00010;
 constexpr DicomTag kSharedFunctions = 0x52009229, kFrameFunctions = 0x52009230;
@@ -80,14 +79,15 @@ class HeaderReader {
 
   // The elements in front of the data set, which say how it is encoded.
   void readMeta() {
-    std::string head(kPreambleBytes + 4, '\0');
+    std::string head(kDicomPreambleBytes + 4, '\0');
     head.resize(input_.readSome(0, std::as_writable_bytes(std::span(head))));
     if (!looksLikeDicom(head))
       fail(
           "{}: expected a DICOM file, found neither DICM at byte {} nor a data element at the "
           "start",
-          input_.path, kPreambleBytes);
-    const bool has_preamble = head.size() > kPreambleBytes && head.substr(kPreambleBytes) == "DICM";
+          input_.path, kDicomPreambleBytes);
+    const bool has_preamble =
+        head.size() > kDicomPreambleBytes && head.substr(kDicomPreambleBytes) == "DICM";
     elements_.moveTo(has_preamble ? head.size() : 0);
     while (nextIsMeta()) {
       const auto e = elements_.next(input_.bytes);
@@ -356,20 +356,6 @@ class HeaderReader {
 };
 
 }  // namespace
-
-bool looksLikeDicom(std::string_view head) {
-  if (head.size() >= kPreambleBytes + 4 && head.substr(kPreambleBytes, 4) == "DICM") return true;
-  if (head.size() < 8) return false;
-  const auto at = [&](size_t i) { return static_cast<unsigned char>(head[i]); };
-  // The first elements that there may be: (0002,0000) or one of group 8 up to the class of images.
-  const unsigned group = at(0) | at(1) << 8, element = at(2) | at(3) << 8;
-  if (!(group == 2 && element <= 2) && !(group == 8 && element <= 0x18)) return false;
-  const bool has_type = at(4) >= 'A' && at(4) <= 'Z' && at(5) >= 'A' && at(5) <= 'Z';
-  constexpr unsigned kMostBytes = 64;
-  const unsigned length =
-      has_type ? at(6) | at(7) << 8 : at(4) | at(5) << 8 | at(6) << 16 | unsigned{at(7)} << 24;
-  return length % 2 == 0 && length <= kMostBytes;
-}
 
 DicomHeader readDicomHeader(const DicomInput& input) {
   return HeaderReader(input).read();

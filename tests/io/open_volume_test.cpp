@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include <cstring>
+
 #include "io/formats.h"
 #include "io/pictures/png_file.h"
 #include "tests/io/image_test_support.h"
@@ -69,6 +71,43 @@ TEST(OpenVolume, takesRawFilesFromTheirNamesOrTheOptions) {
                                                            .spacing = Vec3d{1, 2, 3}});
   EXPECT_EQ(valueAt<uint16_t>(*source, {0, 0, 0}), ('1' << 8) + '2');
   EXPECT_EQ(source->layout().spacing, (Vec3d{1, 2, 3}));
+}
+
+// The first voxels of these files are the tag of an element of DICOM, with a small length behind
+// it.
+TEST(OpenVolume, takesNoRawFileForDicom) {
+  const TempFolder folder;
+  const std::string zeros(1024, '\0');
+  for (const std::vector<uint16_t>& voxels : std::vector<std::vector<uint16_t>>{
+           {8, 5}, {8, 22}, {8, 8, 2}, {2, 0}, {2, 1, 4, 0, 1, 1, 2, 2}}) {
+    std::string bytes = zeros;
+    std::memcpy(bytes.data(), voxels.data(), voxels.size() * sizeof(uint16_t));
+    writeFile(folder / "labels_8x8x8.raw", bytes);
+    writeFile(folder / "a_8x8x8_uint16.raw", bytes);
+    writeFile(folder / "b", bytes);
+    for (const char* name : {"labels_8x8x8.raw", "a_8x8x8_uint16.raw", "b"}) {
+      const auto source =
+          openVolume((folder / name).string(), {.dims = Vec3i{8, 8, 8}, .type = VoxelType::kU16});
+      EXPECT_EQ(valueAt<uint16_t>(*source, {0, 0, 0}), voxels[0]);
+      EXPECT_EQ(valueAt<uint16_t>(*source, {1, 0, 0}), voxels[1]);
+    }
+    EXPECT_NO_THROW(openVolume((folder / "a_8x8x8_uint16.raw").string()));
+    EXPECT_THAT(errorOf([&] { openVolume((folder / "b").string()); }), HasSubstr("unknown kind"));
+  }
+  // Size and type count more than a look at the bytes, and less than a mark that only DICOM has.
+  std::string bytes("\x08\0\x05\0CS\x0a\0ISO_IR 100\x08\0\x08\0CS\x02\0AB", 28);
+  bytes += zeros.substr(bytes.size());
+  writeFile(folder / "c", bytes);
+  EXPECT_THAT(errorOf([&] { openVolume((folder / "c").string()); }), HasSubstr("DICOM"));
+  EXPECT_NO_THROW(
+      openVolume((folder / "c").string(), {.dims = Vec3i{8, 8, 8}, .type = VoxelType::kU16}));
+  bytes.replace(128, 4, "DICM");
+  writeFile(folder / "d", bytes);
+  EXPECT_THAT(
+      errorOf([&] {
+        openVolume((folder / "d").string(), {.dims = Vec3i{8, 8, 8}, .type = VoxelType::kU16});
+      }),
+      HasSubstr("the file contains its size"));
 }
 
 TEST(OpenVolume, takesAFolderOrAPatternOfSlices) {
