@@ -2,7 +2,8 @@
 """Volumes of several channels by zarr-python and tifffile, and sums of pictures by NumPy.
 
   channels.py write            writes cells.ome.zarr, cells.ome.tif, flat.ome.zarr, deep.ome.zarr,
-                               eight.ome.zarr, moving.ome.zarr into this folder
+                               eight.ome.zarr, moving.ome.zarr, and plain.ome.tif and plain.tif, which have
+                               no colours, into this folder
   channels.py sum WHOLE PART.. prints the largest difference of WHOLE and the sum of the PARTs, in 1/255
   channels.py flat WHOLE       the same of WHOLE and the projection of flat.ome.zarr
   channels.py deep WHOLE       the same of WHOLE and deep.ome.zarr, blended
@@ -60,6 +61,9 @@ def write():
                      metadata=dict(axes='ZCYX', PhysicalSizeX=0.5, PhysicalSizeXUnit='um', PhysicalSizeY=0.5,
                                    PhysicalSizeYUnit='um', PhysicalSizeZ=1.5, PhysicalSizeZUnit='um',
                                    Channel=dict(Name=list(COLORS)[:3], Color=colors[:3])))
+    plain = voxels[:3].transpose(1, 0, 2, 3)
+    tifffile.imwrite('plain.ome.tif', plain, ome=True, photometric='minisblack', metadata=dict(axes='ZCYX'))
+    tifffile.imwrite('plain.tif', plain, imagej=True, metadata=dict(axes='ZCYX'))
     # The same values all along z, so that any sample of a ray has them.
     image = np.random.default_rng(3).integers(0, 6000, (4, 1, 32, 48)).astype('u2')
     np.save('flat.npy', image[:, 0])

@@ -202,6 +202,18 @@ TEST_F(Channels, packedVolumeLooksTheSame) {
   EXPECT_LE(difference("sum a.png b.png"), 1);
 }
 
+TEST_F(Channels, withoutColoursArePackedWithoutThem) {
+  for (const char* file : {"plain.ome.tif", "plain.tif"}) {
+    ASSERT_EQ(program_.run(fmt::format("pack {} -o plain.zarr --force", file)).status, 0);
+    for (const char* shown : {"", "--channel 0,1,2", "--channel 2,1"}) {
+      SCOPED_TRACE(fmt::format("{} {}", file, shown));
+      render(fmt::format("{} {} -o a.png --background 000000", file, shown));
+      render(fmt::format("plain.zarr {} -o b.png --background 000000", shown));
+      EXPECT_LE(difference("sum a.png b.png"), 0);
+    }
+  }
+}
+
 TEST_F(Channels, aRowOfPicturesShowsAllInEachOfThem) {
   ASSERT_EQ(program_.run("pack cells.ome.zarr -o p.zarr --chunk 16 --levels 2").status, 0);
   for (const char* mode : {"composite", "mip --downsample max"}) {

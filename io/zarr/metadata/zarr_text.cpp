@@ -68,18 +68,17 @@ ordered_json windowOf(const ValueRange& window, const VolumeLayout& layout) {
   return {{"min", limits.lo}, {"max", limits.hi}, {"start", window.lo}, {"end", window.hi}};
 }
 
-// Names and colours of the channels in viewers, until the user chooses others.
+// Names and colours of the channels in viewers, until the user chooses others. A channel without a
+// colour gets none, so that sluice draws the store in the default colours, as it draws its source.
 ordered_json omero(const ZarrChannelsText& text, const VolumeLayout& layout) {
   const std::vector<std::string>& names = text.names;
-  constexpr std::array<const char*, 6> kColors = {"FF0000", "00FF00", "0000FF",
-                                                  "FFFF00", "FF00FF", "00FFFF"};
   ordered_json channels = ordered_json::array();
   for (size_t c = 0; c < names.size(); ++c) {
     const bool has_look = c < text.looks.size();
     const StoredLook look = has_look ? text.looks[c] : StoredLook{.is_active = c == 0};
     channels.push_back({{"label", names[c].empty() ? fmt::format("channel {}", c) : names[c]},
-                        {"color", look.color ? hexOf(*look.color) : kColors[c % kColors.size()]},
                         {"active", look.is_active}});
+    if (look.color) channels.back()["color"] = hexOf(*look.color);
     if (look.is_inverted) channels.back()["inverted"] = true;
     if (look.window) channels.back()["window"] = windowOf(*look.window, layout);
   }
