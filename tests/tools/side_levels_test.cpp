@@ -18,6 +18,7 @@ namespace sluice {
 namespace {
 
 namespace fs = std::filesystem;
+using testing::Field;
 using testing::HasSubstr;
 using testing::Not;
 
@@ -159,6 +160,25 @@ TEST_F(SideLevelsCommand, thatAreThereAreUsedByPicturesThatAskForNothing) {
     EXPECT_THAT(program_.run(plain + option).output, Not(HasSubstr("at level 1")));
     EXPECT_EQ(picture(), finest) << option;
   }
+}
+
+// Levels take two more layers around a block.
+TEST_F(SideLevelsCommand, thatAreThereKeepNoSmallBlocksFromBeingDrawn) {
+  const auto blocksOfFour = [&](const std::string& more) {
+    return program_.run(std::string("render ") + kVolume +
+                        " --threshold 60 --no-shade --size 64 --block 4 --force " + more);
+  };
+  ASSERT_EQ(blocksOfFour("-o a.png").status, 0);
+  ASSERT_EQ(render().status, 0);
+  const CommandResult after = blocksOfFour("-o b.png");
+  ASSERT_EQ(after.status, 0) << after.output;
+  EXPECT_EQ(readFile(program_.folder / "a.png"), readFile(program_.folder / "b.png"));
+  for (const char* asking : {"--pixel-error 1", "--level 1", "--levels always"})
+    EXPECT_THAT(blocksOfFour(std::string(asking) + " -o c.png").output,
+                HasSubstr("blocks of 4 voxels a side have no room for the border"));
+  ASSERT_EQ(program_.run(std::string("pack ") + kVolume + " -o p.zarr --levels auto").status, 0);
+  EXPECT_THAT(program_.run("render p.zarr --threshold 60 --no-shade --size 64 --block 4 -o d.png"),
+              Field(&CommandResult::output, HasSubstr("p.zarr: drawn from level 0 alone")));
 }
 
 TEST_F(SideLevelsCommand, areMadeByDefaultOfLargeFilesOfNarrowVoxels) {

@@ -86,6 +86,27 @@ void takeSample(IndexedVolume& volume, double seconds, const IndexPass& pass) {
   volume.source = withSample(std::move(volume.source), std::move(sample));
 }
 
+// Ghost layers of blocks if a volume has several levels (pyramid.h).
+constexpr int kGhostOfLevels = 2;
+
+bool hasRoom(int64_t block, int ghost) {
+  return block - 1 - 2 * ghost >= 1;
+}
+
+// The needs without levels if blocks have no room for them and nobody has asked for them: whether
+// levels are kept from an earlier command must not decide whether a picture is drawn.
+IndexNeeds needsWithin(int64_t block, IndexNeeds needs, LevelsWish wish, IndexedVolume& volume) {
+  const bool is_asked = needs.levels == LevelNeeds::kAll || wish == LevelsWish::kAlways;
+  if (hasRoom(block, kGhostOfLevels) || is_asked) return needs;
+  if (!levelsFor(*volume.source, needs).empty())
+    volume.notes.push_back(fmt::format(
+        "{}: drawn from level 0 alone: blocks of {} voxels a side have no room for the border that "
+        "several levels take",
+        volume.name, block));
+  needs.levels = LevelNeeds::kFinest;
+  return needs;
+}
+
 // Adds the levels up to the first that does not nest.
 void addLevels(IndexedVolume& volume, std::span<const CoarserLevel> levels) {
   if (levels.empty()) return;
@@ -145,8 +166,6 @@ IndexedVolume indexVolume(std::unique_ptr<VolumeSource> source, const VolumeArgu
   IndexedVolume volume;
   const IndexNeeds stored = storedNeeds(asked, deviceMap(source->layout()));
   volume.source = withLevelsFor(std::move(source), stored);
-  const IndexNeeds needs = hurriedNeeds(stored, *volume.source);
-  volume.was_hurried = needs.may_stand_in && !asked.may_stand_in;
   volume.needs = asked;
   volume.name = withoutSecrets(arguments.inputs.front());
   volume.places = indexPlaces(volume.name, wish);
@@ -154,6 +173,9 @@ IndexedVolume indexVolume(std::unique_ptr<VolumeSource> source, const VolumeArgu
   volume.map = deviceMap(layout);
   volume.page = pageShape(machine, volume.map);
   const int64_t block = machine.block.value_or(blockSizeFor(volume.page.size_vox));
+  const IndexNeeds needs =
+      hurriedNeeds(needsWithin(block, stored, machine.levels, volume), *volume.source);
+  volume.was_hurried = needs.may_stand_in && !asked.may_stand_in;
   volume.time = arguments.time;
   const bool has_own = !coarserLevels(*volume.source).empty();
   const LevelChoice choice = chooseLevels(*volume.source, needs, machine.levels);
@@ -164,7 +186,7 @@ IndexedVolume indexVolume(std::unique_ptr<VolumeSource> source, const VolumeArgu
                    downsampleFor(needs.values), choice.beside, is_asked, pass.pool,
                    pass.memory_bytes, pass.stop, pass.announce});
   const auto layoutOf = [&](int ghost) {
-    if (block - 1 - 2 * ghost < 1)
+    if (!hasRoom(block, ghost))
       failRequest(
           "{}: blocks of {} voxels a side have no room for the border that a picture takes; give a "
           "larger --block",
@@ -177,7 +199,7 @@ IndexedVolume indexVolume(std::unique_ptr<VolumeSource> source, const VolumeArgu
   // Several levels take a layer more (pyramid.h), and have the same blocks lit and unlit, so that
   // an index made ahead serves both: without one, nothing would be known of the finest level.
   const bool has_levels = side.any() || !levelsFor(*volume.source, needs).empty();
-  volume.layout = layoutOf(has_levels ? 2 : plain_ghost);
+  volume.layout = layoutOf(has_levels ? kGhostOfLevels : plain_ghost);
   std::optional<IndexedRanges> made;
   if (side.taker() != nullptr) {
     try {
