@@ -86,7 +86,8 @@ RawOptions rawOptions(const OpenOptions& options) {
           .byte_order = options.byte_order,
           .skip_bytes = options.skip_bytes,
           .spacing = options.spacing,
-          .decode = decodeOptionsOf(options)};
+          .decode = decodeOptionsOf(options),
+          .is_over = options.channel.is_over};
 }
 
 SliceOptions sliceOptions(const OpenOptions& options) {
@@ -364,8 +365,11 @@ void requireTaken(const std::string& name, const Format& format, const OpenOptio
   if (is_described && !format.takes.description)
     failRequest(
         "{}: the file contains its size and type; leave out --dims, --type, --endian and --skip, "
-        "which are for raw files",
-        name);
+        "which are for raw files{}",
+        name,
+        options.has_over ? " and describe the first volume; a raw file of --over is described by "
+                           "its name, such as head_256x256x225_uint8.raw"
+                         : "");
   if (!options.grid.empty() && !format.takes.grid)
     failRequest("{}: --grid {} is for {}, which this is not; leave it out", name, options.grid,
                 takers(&Format::Takes::grid));

@@ -26,6 +26,7 @@ struct OpenOptions {
   std::optional<Vec3d> spacing = {};           // any; replaces the file's
   std::string grid = {};     // OpenVDB, DICOM; empty: see vdb_source.h, dicom_source.h
   ChannelWish channel = {};  // formats with channels; without: the first
+  bool has_over = false;     // another volume is drawn over this one: messages say which is meant
   // Zarr: decoded chunks kept at most, see zarr_source.h. Not a property of a volume, hence without
   // effect on other formats.
   uint64_t chunk_cache_bytes = uint64_t{32} << 20;

@@ -6,6 +6,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <sstream>
 
 #include "tests/tools/program.h"
@@ -160,6 +161,31 @@ TEST_F(Over, saysWhatDoesNotFit) {
     EXPECT_THAT(result.output, HasSubstr(c.message)) << c.arguments;
   }
   EXPECT_FALSE(std::filesystem::exists(program_.folder.path() / "no.png"));
+}
+
+TEST_F(Over, asksForNoOptionOfTheFirstVolumeForARawOne) {
+  const auto write = [&](const char* name) {
+    std::ofstream(program_.folder.path() / name) << std::string(512, 'a');
+  };
+  for (const char* name : {"w.raw", "w_8x8x8.raw", "w_8x8x9_uint8.raw", "w_8x8x8_uint8.raw"})
+    write(name);
+  const std::string described = "--dims 8,8,8 --type u8 ";
+  const std::string in_name =
+      "--dims, --type and --skip describe the first volume; put size and type into the name of "
+      "this one, such as head_256x256x225_uint8.raw, or give it a header\n";
+  for (const auto& [over, problem] : std::map<std::string, std::string>{
+           {"w.raw", "dimensions unknown; "},
+           {"w_8x8x8.raw", "voxel type unknown; "},
+           {"w_8x8x9_uint8.raw",
+            "8 x 8 x 9 x 1 byte (u8) + 0 skipped = 576 bytes expected, 512 found; "}})
+    EXPECT_EQ(program_.run("render w.raw " + described + "-o no.png --over " + over).output,
+              "sluice: " + over + ": " + problem + in_name);
+  EXPECT_THAT(program_.run("render scan.nrrd " + described + "-o no.png --over w.raw").output,
+              HasSubstr("scan.nrrd: the file contains its size and type; leave out --dims, --type, "
+                        "--endian and --skip, which are for raw files and describe the first "
+                        "volume; a raw file of --over is described by its name"));
+  EXPECT_EQ(program_.run("render w.raw " + described + "-o w.png --over w_8x8x8_uint8.raw").status,
+            0);
 }
 
 TEST_F(Over, saysIfLengthsHaveNoUnitInCommon) {

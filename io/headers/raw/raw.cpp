@@ -13,6 +13,15 @@ namespace {
 
 constexpr const char* kExampleName = "head_256x256x225_uint8.raw";
 
+// The end of a message about a volume over another one.
+std::string nameAdvice() {
+  return fmt::format(
+      "--dims, --type and --skip describe the first volume; put size and type into the name of "
+      "this "
+      "one, such as {}, or give it a header",
+      kExampleName);
+}
+
 // "u8 or i8", for the type that --type should name.
 std::string typesOfSize(uint64_t voxel_bytes) {
   std::string names;
@@ -24,11 +33,12 @@ std::string typesOfSize(uint64_t voxel_bytes) {
   return names;
 }
 
-[[noreturn]] void failTypeMissing(const File& file, VolumeLayout layout, int64_t skip_bytes,
+[[noreturn]] void failTypeMissing(const File& file, VolumeLayout layout, const RawOptions& options,
                                   bool size_known) {
+  if (options.is_over) failRequest("{}: voxel type unknown; {}", file.path(), nameAdvice());
   layout.type = VoxelType::kU8;
   const uint64_t voxels = static_cast<uint64_t>(checkedVolumeBytes(file.path(), layout));
-  const uint64_t skip = static_cast<uint64_t>(skip_bytes);
+  const uint64_t skip = static_cast<uint64_t>(options.skip_bytes);
   const uint64_t bytes = file.sizeBytes() - std::min(file.sizeBytes(), skip);
   const std::string fitting = size_known && bytes % voxels == 0 ? typesOfSize(bytes / voxels) : "";
   if (!size_known) failRequest("{}: voxel type unknown; give --type", file.path());
@@ -39,15 +49,16 @@ std::string typesOfSize(uint64_t voxel_bytes) {
       fitting.empty() ? "no type fits, --dims or --skip is wrong" : "give --type " + fitting);
 }
 
-void demandExactSize(const File& file, const VolumeDescription& description) {
+void demandExactSize(const File& file, const VolumeDescription& description,
+                     const RawOptions& options) {
   const VolumeLayout& layout = description.layout;
   const uint64_t voxels_bytes = static_cast<uint64_t>(checkedVolumeBytes(file.path(), layout));
   const uint64_t skip = static_cast<uint64_t>(description.byte_skip);
   const uint64_t size = file.sizeBytes();
   if (size == voxels_bytes + skip) return;
   const uint64_t rest = size - std::min(size, skip);
-  std::string advice = "give --dims, --type or --skip";
-  if (layout.time_steps == 1 && rest > voxels_bytes && rest % voxels_bytes == 0)
+  std::string advice = options.is_over ? nameAdvice() : "give --dims, --type or --skip";
+  if (!options.is_over && layout.time_steps == 1 && rest > voxels_bytes && rest % voxels_bytes == 0)
     advice = fmt::format("these are {} time steps: give --dims {},{},{},{}", rest / voxels_bytes,
                          layout.dims.x, layout.dims.y, layout.dims.z, rest / voxels_bytes);
   failRequest("{}: {} expected, {} found; {}", file.path(),
@@ -84,6 +95,8 @@ VolumeDescription describe(const File& file, const RawOptions& options, bool com
   VolumeDescription description;
   VolumeLayout& layout = description.layout;
   const std::optional<Vec3i> dims = options.dims ? options.dims : from_name.dims;
+  if (!dims && options.is_over)
+    failRequest("{}: dimensions unknown; {}", file.path(), nameAdvice());
   if (!dims)
     failRequest("{}: dimensions unknown; give --dims X,Y,Z or put them into the name, such as {}",
                 file.path(), kExampleName);
@@ -92,7 +105,7 @@ VolumeDescription describe(const File& file, const RawOptions& options, bool com
   layout.time_steps = (options.dims ? options.time_steps : from_name.time_steps).value_or(1);
   setSkip(file.path(), options, description);
   const std::optional<VoxelType> type = options.type ? options.type : from_name.type;
-  if (!type) failTypeMissing(file, layout, options.skip_bytes, !compressed);
+  if (!type) failTypeMissing(file, layout, options, !compressed);
   layout.type = *type;
   setByteOrderAndSpacing(file.path(), options, from_name, description);
   return description;
@@ -108,7 +121,7 @@ std::unique_ptr<VolumeSource> openRaw(const std::filesystem::path& path,
   if (compressed)
     description.encoding = Encoding::kDeflate;
   else
-    demandExactSize(*file, description);
+    demandExactSize(*file, description, options);
   return openDescribed(std::move(file), description, selectionOf(description), options.decode);
 }
 

@@ -23,6 +23,9 @@ struct RawOptions {
   int64_t skip_bytes = 0;                 // in front of the first voxel
   std::optional<Vec3d> spacing;           // 1, 1, 1
   DecodeOptions decode = {};
+  // The user's options describe another volume, which this one is drawn over: messages ask for
+  // none of them.
+  bool is_over = false;
 };
 
 // The file must hold exactly the bytes of the dimensions, no more and no less. Throws Error with

@@ -177,8 +177,10 @@ ChannelSource openOver(const VolumeArguments& arguments, const VolumeLayout& fir
 }  // namespace
 
 std::vector<ChannelSource> openChannels(const VolumeArguments& arguments) {
-  std::vector<ChannelSource> channels = openOwnChannels(arguments);
-  if (arguments.asked.over.empty()) return channels;
+  VolumeArguments own = arguments;
+  own.open.has_over = !arguments.asked.over.empty();
+  std::vector<ChannelSource> channels = openOwnChannels(own);
+  if (!own.open.has_over) return channels;
   const VolumeLayout& first = channels.front().source->layout();
   // Each of two volumes is known by its file.
   if (channels.size() == 1 && channels.front().channel.name.empty())
