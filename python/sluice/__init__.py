@@ -205,6 +205,11 @@ def open(path, *, time=0, whole_series=True, opens_soon=False, index_dir=None, l
         if not channel:
             raise ValueError('channel: expected one or more channels, found none')
         options['channel'] = ','.join(map(str, channel)) if len(channel) > 1 else channel[0]
+    for keyword in ('grid', 'channel'):
+        if isinstance(options.get(keyword), str) and not options[keyword]:
+            raise ValueError(f"{keyword}: expected a name that is not empty, found ''")
+    if options.get('time_steps') is not None and options.get('dims') is None:
+        raise TypeError('time_steps requires dims')
     return Volume(_sluice.open_files([_path('path', each) for each in paths], options, progress))
 
 

@@ -531,6 +531,11 @@ class Requests(unittest.TestCase):
                 (dict(endian='middle'), ValueError, "^endian: expected one of 'little', 'big', found 'middle'$"),
                 (dict(channel=-1), ValueError, '^channel: .*, found -1$'), (dict(channel=1.5), TypeError, '^channel: '),
                 (dict(over=4), TypeError, '^over: expected a name'),
+                (dict(time_steps=2), TypeError, '^time_steps requires dims$'),
+                (dict(grid=''), ValueError, "^grid: expected a name that is not empty, found ''$"),
+                (dict(channel=''), ValueError, "^channel: expected a name that is not empty, found ''$"),
+                (dict(channel=['']), ValueError, "^channel: expected a name that is not empty, found ''$"),
+                (dict(over=''), ValueError, '^over: expected a name'),
                 (dict(wheels=4), TypeError, "^unexpected keyword 'wheels'; there are: dims, .*, over, time, .*, threads"),
                 (dict(grid=4), TypeError, '^grid: '), (dict(opens_soon='x'), TypeError, '^opens_soon: ')]:
             with self.subTest(options), self.assertRaisesRegex(error, words):
