@@ -118,6 +118,23 @@ TEST(Camera, stepIsInUnitsOfTheFinestSpacing) {
   EXPECT_NEAR(resolve({}, layout, kSquare, 2).step, 1, 1e-12);
 }
 
+TEST(Camera, slicesThatASpacingMakesAreTheSpacingSFault) {
+  VolumeLayout layout = box244();
+  layout.spacing.z = 1e10;
+  const auto message = [&](double step_vox) -> std::string {
+    try {
+      resolve({}, layout, kSquare, step_vox);
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_THAT(message(1), HasSubstr("its spacing of 1 x 1 x 1e+10 makes "));
+  EXPECT_THAT(message(1), HasSubstr("correct it with --spacing, or give --step "));
+  layout.spacing = {1, 1, 1};
+  EXPECT_THAT(message(1e-8), HasSubstr(": --step 1e-08: "));
+}
+
 TEST(Camera, orientedGridIsFittedInWorldSpace) {
   VolumeLayout layout = box244();
   layout.spacing = {2, 1, 1};

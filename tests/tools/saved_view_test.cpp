@@ -81,6 +81,21 @@ TEST_F(SavedView, numbersBeyondTheVolumeAreTheFilesOrTheUsers) {
   EXPECT_EQ(render(volume + " --state large.json --crop 0,0,0,9,9,9 -o c.png").output, "");
 }
 
+TEST_F(SavedView, optionsThatItsVolumeCannotHaveAreTheFiles) {
+  write("a.mhd",
+        "NDims = 3\nDimSize = 2 2 2\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n12345678");
+  const std::string volume = R"({"sluice": "view", "volume": {"paths": ["a.mhd"], )";
+  write("grid.json", volume + R"("grid": "x"}})");
+  write("channel.json", volume + R"("channel": 1}})");
+  EXPECT_THAT(render("--state grid.json -o a.png").output,
+              HasSubstr("sluice: grid.json: a.mhd: --grid x is for OpenVDB"));
+  EXPECT_THAT(render("--state channel.json -o a.png").output,
+              HasSubstr("sluice: channel.json: a.mhd: --channel 1 is for "));
+  // The user's own options are not the file's fault.
+  EXPECT_THAT(render("--state grid.json --grid y -o a.png").output,
+              HasSubstr("sluice: a.mhd: --grid y is for OpenVDB"));
+}
+
 TEST_F(SavedView, keyFramesNeedNoUp) {
   write("film.json", R"({"sluice": "view", "path": {"kind": "keys", "keys": [
       {"seconds": 0.08, "camera": {"eye": [0, 0, 500], "target": [0, 0, 0]}},

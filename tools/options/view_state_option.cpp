@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <set>
 #include <string_view>
 #include <vector>
 
@@ -84,6 +85,13 @@ void SavedView::requireFits(const VolumeInfo& volume) const {
   sluice::requireFits(file.state, file.path, volume, name);
 }
 
+bool SavedView::isToBlame(const Error& error) const {
+  const std::string_view message = error.what();
+  return file.state.time != 0 || std::ranges::any_of(volume_options, [&](const auto& option) {
+           return message.find(option + " ") != std::string_view::npos;
+         });
+}
+
 SavedView applyState(CLI::App& app, const std::string& file) {
   StateFile state = readState(file, interruption());
   const std::vector<const OptionEntry*> besides = entriesGiven(app);
@@ -95,6 +103,7 @@ SavedView applyState(CLI::App& app, const std::string& file) {
   std::vector<OptionWord> words = pictureWords(state.state);
   const std::vector<OptionWord> look = lookWords(state.state.look);
   words.insert(words.end(), look.begin(), look.end());
+  std::set<std::string> of_volume;
   CLI::Option* volume = app.get_option("volume");
   if (volume->count() == 0) {
     if (!state.volume) fail("{}: names no volume; give one", file);
@@ -102,6 +111,7 @@ SavedView applyState(CLI::App& app, const std::string& file) {
     takeFromFile(*volume, file);
     const std::vector<OptionWord> more = volumeWords(state.volume->options);
     words.insert(words.end(), more.begin(), more.end());
+    for (const OptionWord& word : more) of_volume.insert(word.first);
   }
   // --clip comes once for each of several planes.
   std::vector<std::string> given;
@@ -113,6 +123,7 @@ SavedView applyState(CLI::App& app, const std::string& file) {
     option->clear();
     option->add_result(value.empty() ? "true" : value);
     takeFromFile(*option, file);
+    if (of_volume.contains(name)) saved.volume_options.push_back(name);
   }
   return saved;
 }

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "src/base/error.h"
 #include "src/options/option_table.h"
 #include "src/view/state/files/state_file.h"
 #include "src/view/state/view_path.h"
@@ -23,9 +24,12 @@ struct SavedFilm {
 // A saved view, without the properties that the user gave.
 struct SavedView {
   StateFile file;
-  std::optional<SavedFilm> film;  // set if the file has a path
-  std::string name;               // the file's name
+  std::optional<SavedFilm> film;                 // set if the file has a path
+  std::string name;                              // the file's name
+  std::vector<std::string> volume_options = {};  // of the volume, taken from the file
 
+  // Whether the error speaks of an option that the file has and the user did not give.
+  bool isToBlame(const Error& error) const;
   // Throws Error, which names the file, when it does not fit the volume.
   void requireFits(const VolumeInfo& volume) const;
 };

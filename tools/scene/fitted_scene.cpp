@@ -48,8 +48,8 @@ std::unique_ptr<Scene> openScene(const RenderArguments& arguments,
     saved->requireFits(volumeInfo(scene->volume.source->layout(), {}, {}));
     return scene;
   } catch (const Error& error) {
-    // The volume knows its step as --time, which the user did not give.
-    if (saved->file.state.time == 0) throw;
+    // The volume knows its step as --time, and the file's fields as options.
+    if (!saved->isToBlame(error)) throw;
     failAs(error.kind(), "{}: {}", saved->name, error.what());
   }
 }

@@ -136,12 +136,21 @@ View resolve(const Camera& camera, const VolumeLayout& layout, PictureSize size,
   // Beyond this limit the devices, which count slices in floats, would silently leave some out.
   constexpr double kMostSlices = 1 << 24;
   const double slices = (last_depth - view.first_depth) / view.step;
+  const double step_needed = 1.01 * step_vox * slices / kMostSlices;
+  const Vec3d& spacing = layout.spacing;
+  // With even voxels the step would do.
+  if (!(slices <= kMostSlices) && length(outer) / step_vox <= kMostSlices)
+    failRequest(
+        "{}: its spacing of {:g} x {:g} x {:g} makes {:.3g} slices along the view, of which at "
+        "most "
+        "{} can be drawn; correct it with --spacing, or give --step {:.2g} or more",
+        layout.name, spacing.x, spacing.y, spacing.z, slices, static_cast<int64_t>(kMostSlices),
+        step_needed);
   if (!(slices <= kMostSlices))
     failRequest(
         "{}: --step {}: {:.3g} slices along the view, of which at most {} can be drawn; give "
         "--step {:.2g} or more",
-        layout.name, step_vox, slices, static_cast<int64_t>(kMostSlices),
-        1.01 * step_vox * slices / kMostSlices);
+        layout.name, step_vox, slices, static_cast<int64_t>(kMostSlices), step_needed);
   return view;
 }
 
