@@ -10,6 +10,7 @@
 #include <string_view>
 #include <utility>
 
+#include "src/base/field_names.h"
 #include "src/options/option_rules.h"
 #include "src/options/option_table.h"
 #include "src/view/state/view_check.h"
@@ -325,6 +326,20 @@ void requirePairs(const py::kwargs& keywords) {
   }
 }
 
+// The keyword of an option, or of a flag with the word that it stands for: "shade='off'".
+std::string keywordIn(std::string_view option) {
+  for (const OptionEntry& entry : optionTable())
+    for (size_t i = 0; i < entry.kind.flags.size(); ++i)
+      if (entry.kind.flags[i] == option)
+        return fmt::format("{}='{}'", keywordOf(entry), entry.kind.words[i]);
+  return keywordOf(option);
+}
+
+// The same for values, of which the message names options.
+void requireNoConflict(const ViewState& state) {
+  if (const auto conflict = conflictIn(state)) throw py::type_error(renamed(*conflict, keywordIn));
+}
+
 // The command line has a flag for the ramp over gradients and an option for where it ends; the
 // state has its end alone.
 void modulate(const py::kwargs& keywords, LookOptions& look) {
@@ -365,6 +380,7 @@ AskedPicture askedPicture(const py::kwargs& keywords, const VolumeInfo& volume) 
   modulate(keywords, state.look);
   requireNoFault(faultOf(state));
   requireNoFault(faultOf(state, volume));
+  requireNoConflict(state);
   return {state, state.look, state.background};
 }
 

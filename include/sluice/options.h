@@ -167,7 +167,8 @@ struct PictureOptions {
     std::optional<double> ambient = {}, diffuse = {}, specular = {};
     // The share of the key light that matter on its way takes away, and the share of all other
     // light that matter around a place does; each from 0 to 1, unset: 0. Not for opacities that
-    // depend on gradients.
+    // depend on gradients. Above 0 they are refused in other modes than composite, and with
+    // Light::kOff.
     std::optional<double> shadows = {}, occlusion = {};
     // The share by which colours at the farthest part of what the look shows are darkened, in
     // proportion to the depth behind the nearest part; from 0 to 1, unset: 0. Composite mode, lit

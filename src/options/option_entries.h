@@ -1,6 +1,6 @@
 // How an entry of the table of options is bound to the member that holds its value. Used by the
-// table's parts alone: camera_entries.cpp, look_entries.cpp, picture_entries.cpp and
-// volume_entries.cpp.
+// table's parts (camera_entries.cpp, look_entries.cpp, picture_entries.cpp and volume_entries.cpp)
+// and by the rules of option_rules.cpp alone.
 #pragma once
 
 #include <array>

@@ -1,6 +1,10 @@
 #include "src/options/option_rules.h"
 
+#include <fmt/format.h>
+
 #include <array>
+
+#include "src/options/option_entries.h"
 
 namespace sluice {
 namespace {
@@ -38,6 +42,42 @@ constexpr std::array kNeeds = std::to_array<OptionPair>({
     {"--full-gradient", "--modulate"},
 });
 
+bool isNotUnlit(const ViewState& state) {
+  return state.look.light != LookOptions::Light::kOff;
+}
+
+// A value of the option, unless it is 0 or an empty list, needs a view that fits.
+struct ValueRule {
+  std::string_view option;
+  bool (*fits)(const ViewState&);
+  std::string_view reason;  // follows the option in messages
+};
+
+constexpr std::string_view kNotLit = "needs --mode composite, since other modes are not lit";
+constexpr std::string_view kLights = "lights the picture; leave out --no-shade";
+
+constexpr std::array kValueRules = std::to_array<ValueRule>({
+    {"--iso", hasColors, "needs --mode composite, since other modes show one value a pixel"},
+    {"--shadows", hasColors, kNotLit},
+    {"--occlusion-light", hasColors, kNotLit},
+    {"--shadows", isNotUnlit, kLights},
+    {"--occlusion-light", isNotUnlit, kLights},
+    {"--depth-cueing", hasColors, "needs --mode composite"},
+    {"--jitter", hasColors, "needs --mode composite"},
+});
+
+// The value that asks for nothing. Requires: the option takes a number or surfaces.
+OptionValue nothingOf(const OptionEntry& entry) {
+  if (entry.kind.form == OptionForm::kSurfaces) return std::vector<std::string>();
+  return 0.0;
+}
+
+bool isBroken(const ValueRule& rule, const ViewState& state) {
+  const OptionEntry& entry = optionEntry(rule.option);
+  const std::optional<OptionValue> value = entry.get(state);
+  return value && *value != nothingOf(entry) && !rule.fits(state);
+}
+
 }  // namespace
 
 std::span<const OptionPair> optionsApart() {
@@ -46,6 +86,30 @@ std::span<const OptionPair> optionsApart() {
 
 std::span<const OptionPair> optionNeeds() {
   return kNeeds;
+}
+
+std::optional<std::string> conflictIn(const ViewState& state) {
+  for (const ValueRule& rule : kValueRules)
+    if (isBroken(rule, state)) return fmt::format("{} {}", rule.option, rule.reason);
+  return std::nullopt;
+}
+
+ViewState withoutConflicts(ViewState state) {
+  for (const ValueRule& rule : kValueRules)
+    if (const OptionEntry& entry = optionEntry(rule.option); isBroken(rule, state))
+      entry.set(state, nothingOf(entry));
+  return state;
+}
+
+PictureOptions pictureOf(const ViewState& state, int width, int height) {
+  PictureOptions picture = withoutConflicts(state);
+  picture.width = width;
+  picture.height = height;
+  return picture;
+}
+
+LookOptions lookOf(const ViewState& state) {
+  return withoutConflicts(state).look;
 }
 
 }  // namespace sluice

@@ -37,11 +37,4 @@ inline std::vector<std::string> namesOf(const ViewedVolume& volume) {
   return names;
 }
 
-inline PictureOptions pictureOf(const ViewState& state, int width, int height) {
-  PictureOptions picture = state;
-  picture.width = width;
-  picture.height = height;
-  return picture;
-}
-
 }  // namespace sluice

@@ -15,6 +15,31 @@ namespace {
 
 using testing::HasSubstr;
 
+TEST(Renderer, valuesWithoutEffectThrow) {
+  const Volume volume(kShells);
+  const LookOptions surface{.surfaces = {{.value = 90}}};
+  LookOptions maximum = surface;
+  maximum.mode = LookOptions::Mode::kMaximum;
+  const std::string refused =
+      "surfaces needs mode composite, since other modes show one value a pixel";
+  EXPECT_EQ(errorOf([&] { Renderer(volume, maximum); }), refused);
+  Renderer renderer(volume, surface);
+  const Image expected = renderer.draw(kSmall);
+  EXPECT_EQ(errorOf([&] { renderer.setLook(maximum); }), refused);
+  EXPECT_EQ(renderer.draw(kSmall).rgba, expected.rgba);
+  PictureOptions shadowed = kSmall;
+  shadowed.lighting.shadows = 0.5;
+  maximum.surfaces.clear();
+  renderer.setLook(maximum);
+  EXPECT_EQ(errorOf([&] { renderer.draw(shadowed); }),
+            "lighting.shadows needs mode composite, since other modes are not lit");
+  renderer.setLook({.threshold = 90, .light = LookOptions::Light::kOff});
+  EXPECT_EQ(errorOf([&] { renderer.draw(shadowed); }),
+            "lighting.shadows lights the picture; leave out light");
+  shadowed.lighting.shadows = 0;
+  renderer.draw(shadowed);
+}
+
 TEST(Renderer, picturesThatAreNoneThrowAndTheNextIsRight) {
   const Volume volume(kShells);
   Renderer renderer(volume, {.threshold = 90});

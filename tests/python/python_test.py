@@ -478,6 +478,12 @@ class Requests(unittest.TestCase):
             (dict(level=5), sluice.Error, 'level'), (dict(transfer='no/such.json'), sluice.Error, 'no/such.json'),
             (dict(full_gradient=0.05), TypeError, 'full_gradient requires modulate'),
             (dict(full_gradient=0.05, modulate=False), TypeError, 'full_gradient requires modulate'),
+            (dict(mode='mip', iso=40), TypeError, "^iso needs mode composite, since other modes show one value"),
+            (dict(mode='mip', shadows=True), TypeError, '^shadows needs mode composite'),
+            (dict(mode='minip', jitter=0.5), TypeError, '^jitter needs mode composite'),
+            (dict(mode='average', depth_cueing=1), TypeError, '^depth_cueing needs mode composite'),
+            (dict(shade=False, shadows=0.5, occlusion_light=True), TypeError,
+             "^shadows lights the picture; leave out shade='off'"),
             (dict(modulate='yes'), TypeError, 'modulate: expected True or False'),
             (dict(max_bytes='20 K B'), ValueError, '^max_bytes: expected bytes'),
             (dict(pixel_error=0), ValueError, 'pixel_error'), (dict(depth='yes'), TypeError, 'depth')]:

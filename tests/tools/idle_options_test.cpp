@@ -133,7 +133,7 @@ TEST_F(IdleOptions, areWarningsOfSimulationsToo) {
 
 TEST_F(IdleOptions, ofASavedViewAreNoWarning) {
   std::ofstream(program_.folder / "view.json") << R"({"sluice": "view",
-      "camera": {"fov": 50}, "step": 3, "jitter": 1, "key_light": [9, 9], "quality": "high",
+      "camera": {"fov": 50}, "step": 3, "key_light": [9, 9], "quality": "high",
       "look": {"mode": "mip", "attenuation": 3, "opacity": 0.5, "light": "on",
                "full_gradient": 0.5, "combine": "blend"}})";
   EXPECT_THAT(said("--state view.json"), Not(HasSubstr("warning")));

@@ -72,6 +72,10 @@ TEST_F(Looks, blocksWithoutASurfaceAreNotRead) {
 TEST_F(Looks, surfacesAreRefusedWhereThereCanBeNone) {
   const std::string small = kSmall;
   EXPECT_THAT(refusal(small + " --iso 100 --mode mip"), HasSubstr("--iso needs --mode composite"));
+  EXPECT_THAT(refusal(small + " --shadows --mode mip"),
+              HasSubstr("--shadows needs --mode composite, since other modes are not lit"));
+  EXPECT_THAT(refusal(small + " --occlusion-light --no-shade"),
+              HasSubstr("--occlusion-light lights the picture; leave out --no-shade"));
   EXPECT_THAT(refusal(small + " --iso 100 --level 1"), HasSubstr("--level 1: there is 1 level"));
   EXPECT_THAT(
       refusal(small + " --iso 100:1:nocolour"),

@@ -96,6 +96,36 @@ TEST_F(SavedView, optionsThatItsVolumeCannotHaveAreTheFiles) {
               HasSubstr("sluice: a.mhd: --grid y is for OpenVDB"));
 }
 
+TEST_F(SavedView, valuesWithoutEffectAreRefusedByTheirPlaces) {
+  const auto refusal = [&](const std::string& json, const std::string& options = "") {
+    write("view.json", R"({"sluice": "view", )" + json + "}");
+    const CommandResult result =
+        render(std::string(kStateVolume) + " --state view.json -o a.png " + options);
+    EXPECT_EQ(result.status, 1) << json;
+    return result.output;
+  };
+  EXPECT_EQ(refusal(R"("shadows": 0.5, "occlusion_light": 1, "look": {"light": "off"})"),
+            "sluice: view.json: /shadows lights the picture; leave out /look/light off\n");
+  EXPECT_EQ(refusal(R"("shadows": 0.5, "look": {"mode": "mip"})"),
+            "sluice: view.json: /shadows needs /look/mode composite, since other modes are not "
+            "lit\n");
+  EXPECT_THAT(refusal(R"("look": {"surfaces": ["20"], "mode": "mip"})"),
+              HasSubstr("view.json: /look/surfaces needs /look/mode composite"));
+  EXPECT_THAT(refusal(R"("path": {"kind": "keys", "keys": [{"jitter": 1, "look": {"mode": "mip"},
+                      "camera": {"eye": [0, 0, 5], "target": [0, 0, 0]}}]})"),
+              HasSubstr("view.json: /path/keys/0/jitter needs /path/keys/0/look/mode composite"));
+  // The user's options count in place of the file's.
+  EXPECT_THAT(refusal(R"("shadows": 0.5)", "--mode mip"),
+              HasSubstr("view.json: /shadows needs --mode composite"));
+  EXPECT_THAT(refusal(R"("look": {"mode": "mip"})", "--depth-cueing"),
+              HasSubstr("view.json: --depth-cueing needs /look/mode composite"));
+  EXPECT_THAT(refusal(R"("shadows": 0.5)", "--no-shade"),
+              HasSubstr("view.json: /shadows lights the picture; leave out --no-shade"));
+  EXPECT_EQ(render(std::string(kStateVolume) + " --state view.json --mode mip --shadows=0 -o a.png")
+                .output,
+            "");
+}
+
 TEST_F(SavedView, keyFramesNeedNoUp) {
   write("film.json", R"({"sluice": "view", "path": {"kind": "keys", "keys": [
       {"seconds": 0.08, "camera": {"eye": [0, 0, 500], "target": [0, 0, 0]}},

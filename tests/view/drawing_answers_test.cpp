@@ -13,6 +13,7 @@
 
 #include "src/base/files/file_kind.h"
 #include "src/base/threads/threads.h"
+#include "src/options/option_rules.h"
 #include "src/view/state/editing/transfer_edit.h"
 #include "tests/support/temp_folder.h"
 #include "tests/support/wrong_states.h"
@@ -61,6 +62,29 @@ TEST(DrawingThread, answersProbesWithTheVoxelsOwnValue) {
   const uint64_t corner = desk.probe(0.001, 0.001);
   ASSERT_TRUE(seen.until([&] { return seen.probe->number == corner; }));
   EXPECT_FALSE(seen.probe->found);
+}
+
+TEST(DrawingThread, aModeLeavesOutWhatItDoesNotShow) {
+  const TempFolder folder;
+  DrawingThread desk(drawingOptions());
+  Seen seen(desk);
+  ASSERT_TRUE(seen.open(kVolume));
+  Wish wish = seen.wish(96, 80);
+  wish.state.look.mode = LookOptions::Mode::kMaximum;
+  const Volume volume(kVolume);
+  Renderer renderer(volume, wish.state.look, drawingOptions().renderer);
+  const auto expected =
+      renderer.draw(pictureOf(wish.state, 96, 80)).toRgba8(std::array{0.0F, 0.0F, 0.0F});
+  wish.state.look.surfaces = {{.value = 90}};
+  wish.state.lighting.shadows = 0.5;
+  wish.state.jitter = 1;
+  ASSERT_TRUE(seen.whole(desk.wish(wish)));
+  EXPECT_THAT(seen.failures, testing::IsEmpty());
+  EXPECT_EQ(seen.picture->rgba, expected);
+  // The printed command draws the same.
+  desk.savePicture((folder / "a.png").string(), wish);
+  ASSERT_TRUE(seen.until([&] { return !seen.saved.empty(); }));
+  EXPECT_THAT(seen.saved.front().command, testing::Not(HasSubstr("--iso")));
 }
 
 TEST(DrawingThread, slicesFollowTheCrossHair) {

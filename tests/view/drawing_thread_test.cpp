@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "src/base/threads/threads.h"
+#include "src/options/option_rules.h"
 #include "src/view/state/editing/transfer_edit.h"
 #include "tests/support/ball_pyramid.h"
 #include "tests/support/temp_folder.h"

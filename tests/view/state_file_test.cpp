@@ -26,7 +26,6 @@ ViewState everything() {
   state.look.range = std::array{5.0, -5.0};
   state.look.light = LookOptions::Light::kOff;
   state.look.full_gradient = 0.07;
-  state.look.surfaces = {{12.5, 0.4, "ff8800"}, {40, 1, ""}};
   state.time = 3;
   state.step_vox = 0.3;
   state.quality = PictureOptions::Quality::kHigh;
@@ -85,6 +84,7 @@ TEST(StateFile, keepsThePathOfAFilm) {
   path.keys = {{everything(), 0.7}, {everything(), 3}};
   path.keys[1].state.look = {};
   path.keys[1].state.look.transfer_file = "t.json";
+  path.keys[1].state.look.surfaces = {{12.5, 0.4, "ff8800"}, {40, 1, ""}};
   for (ViewKey& key : path.keys) {
     key.state.cross = {};  // no part of a film
     key.state.shows_slices = false;
@@ -93,6 +93,18 @@ TEST(StateFile, keepsThePathOfAFilm) {
   EXPECT_EQ(read.path, path);
   EXPECT_EQ(read.state, everything());
   EXPECT_FALSE(parseState(stateText({}, everything()), "here").path);
+}
+
+TEST(StateFile, hasNoValueWithoutEffect) {
+  ViewState state;
+  state.look.mode = LookOptions::Mode::kMaximum;
+  state.look.surfaces = {{12.5, 0.4, "ff8800"}};
+  state.lighting.shadows = 0.5;
+  state.jitter = 1;
+  const ViewState read = parseState(stateText({}, state), "here").state;
+  EXPECT_TRUE(read.look.surfaces.empty());
+  EXPECT_EQ(read.lighting.shadows, 0);
+  EXPECT_EQ(read.jitter, 0);
 }
 
 TEST(StateFile, saysWhatIsWrongWithAPath) {

@@ -14,6 +14,7 @@
 #include "tools/commands/debug_views.h"
 #include "tools/options/picture_checks.h"
 #include "tools/options/shared_options.h"
+#include "tools/options/view_arguments.h"
 #include "tools/pages/report_file.h"
 #include "tools/scene/series.h"
 
@@ -106,7 +107,7 @@ void checkOutput(const Arguments& arguments) {
     fail("--debug-view takes one frame, not {}", frameCount(arguments));
   if (arguments.times && arguments.frames > 1)
     fail("--frames {} takes one time step, not a range of --time", arguments.frames);
-  checkPicture(pictureOf(arguments));
+  checkPicture(pictureOf(arguments), viewState(*arguments.asked, arguments.volume, arguments.look));
   if (arguments.verify && arguments.culling.culling != Culling::kNone && frameCount(arguments) > 1)
     fail("--verify with --culling takes one frame, not {}", frameCount(arguments));
   if (arguments.debug_view && arguments.frame.occlusion == Occlusion::kOff &&

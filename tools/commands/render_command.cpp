@@ -14,6 +14,7 @@
 #include "tools/commands/verification.h"
 #include "tools/options/idle_options.h"
 #include "tools/options/shared_options.h"
+#include "tools/options/view_arguments.h"
 #include "tools/options/view_state_option.h"
 #include "tools/outputs/film.h"
 #include "tools/scene/fitted_scene.h"
@@ -42,7 +43,8 @@ int run(Arguments& arguments, CLI::App& app, Team* team) {
   const std::set<std::string> given = givenOptions(app);
   std::optional<SavedView> saved;
   if (!arguments.state_file.empty()) {
-    saved = applyState(app, arguments.state_file);
+    saved = applyState(app, arguments.state_file,
+                       viewState(*arguments.asked, arguments.volume, arguments.look));
     if (saved->film && asksForFilm(arguments)) {
       if (team != nullptr)
         fail("{}: a single process must draw the frames of a path", arguments.state_file);

@@ -10,6 +10,7 @@
 #if SLUICE_HAS_GL
 #include "src/gl/contexts/backends.h"
 #endif
+#include "src/options/option_rules.h"
 #include "src/view/drawing/drawing_thread.h"
 #include "src/view/drawing/window_module.h"
 #include "src/view/state/files/settings.h"
@@ -85,6 +86,7 @@ int run(const ViewArguments& arguments, const CLI::App& app) {
   outputs.check();
   RunWindow* const run_window = openWindowModule();
   DrawingOptions options = drawingOptions(arguments);
+  if (const auto conflict = conflictIn(options.state)) fail("{}", *conflict);
   WindowRequest request;
   request.volume = viewedVolume(arguments.volume, arguments.resources, options.index_folder,
                                 !arguments.look.this_step);

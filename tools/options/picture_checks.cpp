@@ -1,26 +1,15 @@
 #include "tools/options/picture_checks.h"
 
-#include <utility>
-
 #include "src/base/error.h"
+#include "src/options/option_rules.h"
 #include "tools/options/shared_options.h"
 
 namespace sluice {
 
-void checkPicture(const PictureArguments& picture) {
+void checkPicture(const PictureArguments& picture, const ViewState& view) {
+  if (const auto conflict = conflictIn(view)) fail("{}", *conflict);
   const ModeTraits traits = traitsOf(picture.frame.mode);
-  const bool looks_around = picture.frame.lighting.looksAround();
   const bool culls = picture.culling.culling != Culling::kNone;
-  if (!picture.look.surfaces.empty() && !traits.has_colors)
-    fail("--iso needs --mode composite, since other modes show one value a pixel");
-  if (looks_around && !traits.has_colors)
-    fail("--shadows and --occlusion-light need --mode composite, since other modes are not lit");
-  if (looks_around && picture.look.no_shade)
-    fail("--shadows and --occlusion-light light the picture; leave out --no-shade");
-  if (!traits.has_colors)
-    for (const auto& [value, option] : {std::pair(picture.frame.depth_cueing, "--depth-cueing"),
-                                        std::pair(picture.frame.jitter, "--jitter")})
-      if (value > 0) fail("{} needs --mode composite", option);
   if (!picture.look.surfaces.empty() && culls)
     fail("--culling knows nothing of surfaces; leave out --culling or --iso");
   if (culls && !traits.hides)

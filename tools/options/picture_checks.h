@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "src/library/drawing/scene/resources.h"
+#include "src/options/view_state.h"
 #include "tools/options/arguments.h"
 
 namespace sluice {
@@ -17,8 +18,9 @@ struct PictureArguments {
   const ResourceArguments& resources;
 };
 
-// Throws Error for options that exclude each other.
-void checkPicture(const PictureArguments& picture);
+// Throws Error for options that exclude each other: those of the view, for which there are rules
+// (src/options/option_rules.h), and those that commands alone have.
+void checkPicture(const PictureArguments& picture, const ViewState& view);
 
 // The cut through levels of resolution that a picture is drawn from; nullopt: the finest level
 // alone. `refines`: the first of pictures that get better, each of which may begin with any level.

@@ -70,6 +70,19 @@ StateFile without(const std::vector<const OptionEntry*>& given, StateFile file) 
   return file;
 }
 
+// Throws Error if the view with the user's options has a value without effect.
+void requireNoConflict(ViewState state, const std::string& file, const std::string& place,
+                       const std::vector<const OptionEntry*>& given, const ViewState& asked) {
+  for (const OptionEntry* entry : given)
+    if (const auto value = entry->get(asked)) entry->set(state, *value);
+  requireNoConflict(state, file, [&](std::string_view option) {
+    const auto names = [&](const OptionEntry* entry) {
+      return std::ranges::count(optionNames(*entry), option) > 0;
+    };
+    return std::ranges::any_of(given, names) ? std::string(option) : place + placeOf(option);
+  });
+}
+
 // Parses what was added to an option. A wrong value is the file's fault, and no wrong usage.
 void takeFromFile(CLI::Option& option, const std::string& file) {
   try {
@@ -92,9 +105,12 @@ bool SavedView::isToBlame(const Error& error) const {
          });
 }
 
-SavedView applyState(CLI::App& app, const std::string& file) {
+SavedView applyState(CLI::App& app, const std::string& file, const ViewState& asked) {
   StateFile state = readState(file, interruption());
   const std::vector<const OptionEntry*> besides = entriesGiven(app);
+  requireNoConflict(state.state, file, "", besides, asked);
+  for (size_t i = 0; state.path && i < state.path->keys.size(); ++i)
+    requireNoConflict(state.path->keys[i].state, file, keyPlace(i), besides, asked);
   SavedView saved{without(besides, state), {}, file};
   if (state.path) saved.film = SavedFilm{*state.path, besides};
   // Options that count in the user's mode are taken from the file, and no others.

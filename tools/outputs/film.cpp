@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "src/base/error.h"
+#include "src/options/option_rules.h"
 #include "src/view/drawing/picture_file.h"
 #include "tools/command_line/console.h"
 #include "tools/command_line/environment.h"
@@ -157,7 +158,7 @@ int writeFilm(const RenderArguments& arguments, const CLI::App& app, const Saved
   for (const int64_t i : frames) {
     interruption().throwIfStopped();
     const ViewState state = frameState(film, now, i);
-    renderer.setLook(state.look);
+    renderer.setLook(lookOf(state));
     const std::string name =
         is_one_file ? fmt::format("frame {}", i) : numberedName(arguments.output, i, true).string();
     if (made)

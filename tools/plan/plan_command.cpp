@@ -20,6 +20,7 @@
 #include "tools/options/idle_options.h"
 #include "tools/options/picture_checks.h"
 #include "tools/options/shared_options.h"
+#include "tools/options/view_arguments.h"
 #include "tools/outputs/cut_report.h"
 #include "tools/outputs/report.h"
 #include "tools/pages/report_file.h"
@@ -41,6 +42,7 @@ struct PlanArguments {
   CullingArguments culling;
   ResourceArguments resources;
   FitChoice fit;
+  AskedView asked;
   std::string report_file;
   bool force = false;
   bool json = false;
@@ -97,7 +99,7 @@ PictureArguments pictureOf(const PlanArguments& arguments) {
 
 // The same refusals as of a picture that is drawn, and those of a plan. Throws Error.
 void check(const PlanArguments& arguments) {
-  checkPicture(pictureOf(arguments));
+  checkPicture(pictureOf(arguments), viewState(*arguments.asked, arguments.volume, arguments.look));
   if (arguments.culling.culling == Culling::kAuto)
     fail("--culling auto measures pictures; plan takes none, pof, opof or toc");
   if (arguments.frame.partition == Partition::kBoxes)
@@ -220,6 +222,7 @@ Command addPlan(CLI::App& program) {
   addOverOption(*app, arguments->volume);
   const AskedView asked =
       addPictureOptions(*app, arguments->look, arguments->frame, arguments->fit);
+  arguments->asked = asked;
   addFrameOptions(*app, asked, arguments->frame);
   addTimeLimit(*app, asked, arguments->frame);
   addCullingOptions(*app, arguments->culling, true);

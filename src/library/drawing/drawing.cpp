@@ -14,6 +14,7 @@
 #include "src/library/drawing/view_fit.h"
 #include "src/library/in_situ.h"
 #include "src/library/opening/step_ranges.h"
+#include "src/options/option_rules.h"
 #include "src/render/blocks/cut/cut_rules.h"
 #include "src/render/camera/index_space.h"
 
@@ -53,6 +54,18 @@ Scene sceneOf(const std::shared_ptr<const OpenedVolume>& opened, const LookOptio
           sessionFrame(opened.get(), look, options)};
 }
 
+void requireNoConflict(const ViewState& asked) {
+  if (const auto conflict = conflictIn(asked)) failRequest("{}", *conflict);
+}
+
+// The look, which takes no values that have no effect. Throws Error.
+const LookOptions& checked(const LookOptions& look) {
+  ViewState asked;
+  asked.look = look;
+  requireNoConflict(asked);
+  return look;
+}
+
 }  // namespace
 
 // A call that may read: its progress goes to the caller's teller.
@@ -69,6 +82,7 @@ struct Drawing::Reading {
 Drawing::Drawing(std::shared_ptr<const OpenedVolume> opened, const LookOptions& look,
                  const RendererOptions& options)
     : opened_(std::move(opened)),
+      asked_look_(checked(look)),
       scene_(sceneOf(opened_, look, options)),
       mode_(modeOf(look)),
       session_frame_(sessionFrame(opened_.get(), look, options)),
@@ -77,10 +91,11 @@ Drawing::Drawing(std::shared_ptr<const OpenedVolume> opened, const LookOptions& 
 }
 
 void Drawing::setLook(const LookOptions& look) {
-  const Mode mode = modeOf(look);
+  const Mode mode = modeOf(checked(look));
   const bool did_blend = scene_.blends();
   scene_.setLook(lookArguments(look, opened_->whole_series), mode);
   if (scene_.blends() != did_blend) scene_.openSession(session_frame_, 0);
+  asked_look_ = look;
   mode_ = mode;
   ++looks_;
 }
@@ -125,6 +140,7 @@ std::optional<Framing> Drawing::framingFor(const std::vector<Camera>& cameras, F
 }
 
 FrameOptions Drawing::asked(const PictureOptions& picture) const {
+  requireNoConflict({picture, asked_look_, {}, {}, {}});
   FrameOptions options = frameOptions(picture, layout(), mode_);
   setPipeline(pipeline_, options);
   return options;

@@ -118,6 +118,7 @@ class Drawing {
   const VolumeLayout& layout() const { return opened_->volume.source->layout(); }
 
   const std::shared_ptr<const OpenedVolume> opened_;
+  LookOptions asked_look_;
   Scene scene_;
   Mode mode_;
   FrameOptions session_frame_;  // frames that the session has memory for

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "src/base/threads/clock.h"
+#include "src/options/option_rules.h"
 
 namespace sluice {
 namespace {
@@ -44,7 +45,8 @@ ProgressFunction DrawingJobs::progress() const {
   };
 }
 
-void DrawingJobs::useLook(const LookOptions& look, bool is_shown) {
+void DrawingJobs::useLook(const ViewState& state, bool is_shown) {
+  const LookOptions look = lookOf(state);
   if (opened_.renderer == nullptr) {
     opened_.renderer = makeRenderer(*opened_.volume, look);
     opened_.look = look;
@@ -61,7 +63,7 @@ void DrawingJobs::useLook(const LookOptions& look, bool is_shown) {
 }
 
 ViewOptions DrawingJobs::placed(const ViewState& state, int width, int height, const Job& job) {
-  useLook(state.look);
+  useLook(state);
   return opened_.renderer->placed(pictureOf(state, width, height), progress(), job.stop);
 }
 
@@ -103,7 +105,7 @@ ShownPicture DrawingJobs::draw(const Job& job, const PictureOptions& picture) {
 void DrawingJobs::run(const PreviewJob&, const Job& job) {
   const Wish& wish = job.wish->wish;
   const Stopwatch watch;
-  useLook(wish.state.look);
+  useLook(wish.state);
   PictureOptions picture = pictureOf(wish.state, wish.width, wish.height);
   const double budget_s = drawingBudget(options_.budget_s, wish.showing_s);
   picture.time_limit_s = 1.25 * budget_s;
@@ -126,7 +128,7 @@ void DrawingJobs::run(const PreviewJob&, const Job& job) {
 void DrawingJobs::run(const PictureJob&, const Job& job) {
   const Wish& wish = job.wish->wish;
   const Stopwatch watch;
-  useLook(wish.state.look);
+  useLook(wish.state);
   PictureOptions picture = pictureOf(wish.state, wish.width, wish.height);
   picture.next_time = wish.next_time;
   const bool from_levels = opened_.renderer->sampling(picture, progress(), job.stop).from_levels;
@@ -165,7 +167,7 @@ void DrawingJobs::deliver(const NumberedWish& wish, ShownPicture picture, bool i
 
 void DrawingJobs::run(const SlicesJob&, const Job& job) {
   const ViewState& state = job.wish->wish.state;
-  useLook(state.look);
+  useLook(state);
   const VolumeInfo& info = opened_.volume->info();
   std::array<double, 2> range = state.look.range.value_or(info.value_range);
   if (range[0] == range[1]) range[1] = range[0] + 1;
@@ -200,7 +202,7 @@ void DrawingJobs::run(const PlaceJob& task, const Job& job) {
 
 void DrawingJobs::run(const ProbeJob& task, const Job& job) {
   const Wish& wish = job.wish->wish;
-  useLook(wish.state.look);
+  useLook(wish.state);
   const ProbeNews answer{task.number,
                          opened_.renderer->probe(pictureOf(wish.state, wish.width, wish.height),
                                                  task.right, task.down, job.stop)};

@@ -93,9 +93,9 @@ class DrawingJobs {
   void checkOutputs(const std::vector<std::string>& writes, const LookOptions& look) const;
 
   std::unique_ptr<Renderer> makeRenderer(const Volume& volume, const LookOptions& look) const;
-  // Gives the renderer this look. Makes it again when another volume could not be opened in place
-  // of this one. Throws Error.
-  void useLook(const LookOptions& look, bool is_shown = true);
+  // Gives the renderer the state's look. Makes it again when another volume could not be opened in
+  // place of this one. Throws Error.
+  void useLook(const ViewState& state, bool is_shown = true);
   // The state's view by eye, target and up. Throws as Renderer::placed() does.
   ViewOptions placed(const ViewState& state, int width, int height, const Job& job);
   // Draws what a screen is to show: pixels, or the texture that holds them. Learns the pace from

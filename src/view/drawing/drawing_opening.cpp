@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "src/base/error.h"
+#include "src/options/option_rules.h"
 #include "src/view/drawing/drawing_jobs.h"
 #include "src/view/drawing/picture_file.h"
 #include "src/view/state/view_check.h"
@@ -61,7 +62,7 @@ void DrawingJobs::loadInto(StateFile file, const std::string& name, const Job& j
   if (!opened_.volume) fail("{}: the file names no volume, and no volume is open", name);
   requireFits(file.state, file.path, opened_.volume->info(), name);
   // The view fits what is visible in the saved look.
-  useLook(file.state.look);
+  useLook(file.state);
   const Wish pane = job.wish != nullptr ? job.wish->wish : Wish{.width = kWidth, .height = kHeight};
   file.state.view = placed(file.state, pane.width, pane.height, job);
   if (file.path) placeKeys(*file.path, *opened_.renderer, progress(), job.stop);
@@ -102,7 +103,7 @@ void DrawingJobs::openVolume(OpenJob task, const Job& job) {
     state.time = std::clamp<int64_t>(next.viewed.options.time, 0, news->info.time_steps - 1);
     for (size_t a = 0; a < 3; ++a) state.cross[a] = news->info.dims[a] / 2;
   }
-  next.look = next.shown_look = state.look;
+  next.look = next.shown_look = lookOf(state);
   // The levels of the volume before go first: both together may be more than the memory allows. Its
   // handle stays, so that useLook() can bring them back.
   opened_.renderer.reset();

@@ -48,7 +48,7 @@ void DrawingJobs::run(const SavePictureJob& task, const Job& job) {
   const std::string path = numberedName(task.path, wish.state.time, false).string();
   requirePictureName(path);
   checkOutputs({path}, wish.state.look);
-  useLook(wish.state.look);
+  useLook(wish.state);
   drawToFile(*opened_.renderer, path, wish.state, wish.width, wish.height, progress(), job.stop);
   ViewedVolume viewed = opened_.viewed;
   viewed.options.opens_soon = opened_.volume->info().was_opened_soon;
@@ -77,7 +77,7 @@ void DrawingJobs::run(const FrameJob& task, const Job& job) {
   const FilmWish& film = *task.wish;
   if (task.frame == 0 && task.stopped == 0) beginFilm(film);
   const ViewState state = stateAt(film.path, film.now, task.frame);
-  useLook(state.look, false);
+  useLook(state, false);
   drawToFile(*opened_.renderer, numberedName(film.name, task.frame, true).string(), state,
              film.width, film.height, progress(), job.stop);
   if (!queue_.noteFrame(task)) return;

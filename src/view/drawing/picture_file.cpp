@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "src/base/error.h"
+#include "src/options/option_rules.h"
 
 namespace sluice {
 namespace {
@@ -31,8 +32,13 @@ void placeKeys(ViewPath& path, Renderer& renderer, const ProgressFunction& progr
                const std::stop_token& stop) {
   constexpr int kWidth = 800, kHeight = 600;  // any: eye and target are given
   for (ViewKey& key : path.keys)
-    if (!key.state.view.up)
-      key.state.view = renderer.placed(pictureOf(key.state, kWidth, kHeight), progress, stop);
+    if (!key.state.view.up) {
+      // The renderer may have another look than the key, which its light need not fit.
+      PictureOptions picture = pictureOf(key.state, kWidth, kHeight);
+      picture.lighting = {};
+      picture.jitter.reset();
+      key.state.view = renderer.placed(picture, progress, stop);
+    }
 }
 
 }  // namespace sluice

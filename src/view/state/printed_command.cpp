@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "src/base/files/shell_word.h"
+#include "src/options/option_rules.h"
 #include "src/options/option_table.h"
 
 namespace sluice {
@@ -27,9 +28,10 @@ std::vector<OptionWord> pictureWords(const ViewState& state) {
                      [](const OptionEntry& entry) { return entry.part != OptionPart::kLook; });
 }
 
-std::string renderCommand(const ViewedVolume& volume, const ViewState& state,
+std::string renderCommand(const ViewedVolume& volume, const ViewState& whole,
                           const std::string& look, int width, int height,
                           const std::string& output) {
+  const ViewState state = withoutConflicts(whole);
   std::string command = "sluice render";
   for (const std::string& path : volume.paths) command += " " + shellWord(asOperand(path));
   const auto add = [&](const std::vector<OptionWord>& words) { command += optionsText(words); };

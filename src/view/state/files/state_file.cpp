@@ -1,16 +1,19 @@
 #include "src/view/state/files/state_file.h"
 
+#include <algorithm>
 #include <array>
 #include <nlohmann/json.hpp>
 #include <system_error>
 
 #include "src/base/error.h"
+#include "src/base/field_names.h"
 #include "src/base/files/atomic_file.h"
 #include "src/base/files/json_field.h"
 #include "src/base/files/text_file.h"
 #include "src/base/looks/channel_look.h"
 #include "src/base/looks/label_look.h"
 #include "src/base/looks/surface_look.h"
+#include "src/options/option_rules.h"
 #include "src/options/option_table.h"
 #include "src/view/state/files/file_name_json.h"
 #include "src/view/state/view_check.h"
@@ -211,8 +214,9 @@ void addKeys(std::vector<std::string_view>& keys, OptionPart part) {
 }
 
 // The state without its volume and its path.
-json stateJson(const ViewState& state) {
+json stateJson(const ViewState& whole) {
   json made;
+  const ViewState state = withoutConflicts(whole);
   for (const OptionEntry& entry : optionTable()) {
     const std::optional<OptionValue> value = savedValue(entry, state);
     if (!value) continue;
@@ -245,6 +249,7 @@ ViewState stateOf(const JsonField& root, const std::string& where, const std::st
   }
   readPart(root, OptionPart::kTop, state);
   if (const std::optional<ViewFault> fault = faultOf(state)) failFault(where, place, *fault);
+  requireNoConflict(state, where, [&](std::string_view option) { return place + placeOf(option); });
   return state;
 }
 
@@ -325,6 +330,27 @@ StateFile parseState(std::string_view text, const std::string& where) {
   file.state = stateOf(root, where, {});
   if (const auto f = root.find("path")) file.path = pathOf(*f, where);
   return file;
+}
+
+std::string placeOf(std::string_view option) {
+  for (const OptionEntry& entry : optionTable()) {
+    const bool is_in_part = entry.part == OptionPart::kCamera || entry.part == OptionPart::kLook;
+    std::string place = "/";
+    if (is_in_part) place += std::string(kParts[static_cast<size_t>(entry.part)]) + "/";
+    place += entry.key;
+    const auto& flags = entry.kind.flags;
+    const auto flag = std::ranges::find(flags, option);
+    if (flag != flags.end())
+      return fmt::format("{} {}", place,
+                         entry.kind.words[static_cast<size_t>(flag - flags.begin())]);
+    if (entry.option == option) return place;
+  }
+  return std::string(option);
+}
+
+void requireNoConflict(const ViewState& state, const std::string& where,
+                       const std::function<std::string(std::string_view option)>& nameOf) {
+  if (const auto conflict = conflictIn(state)) fail("{}: {}", where, renamed(*conflict, nameOf));
 }
 
 void writeState(const std::filesystem::path& path, const ViewedVolume& volume,

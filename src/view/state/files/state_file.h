@@ -5,10 +5,11 @@
 //    "path": {"kind": "keys", "rate": 25, "keys": [{"seconds": 2, "camera": {...}}, {...}]}}
 //
 // Every field but "sluice" may be left out; numbers mean the same as in the options of the same
-// names.
+// names. Values that have no effect beside the others are refused, and saved views have none.
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -30,6 +31,14 @@ std::string stateText(const ViewedVolume& volume, const ViewState& state,
                       const std::optional<ViewPath>& path = {});
 // Throws Error, starting with `where`: the field, the expected and the found value.
 StateFile parseState(std::string_view json, const std::string& where);
+
+// The place of an option in a view: "/look/mode"; for a flag with its word: "/look/light off".
+std::string placeOf(std::string_view option);
+// Throws Error, starting with `where`, for a value of the view that has no effect beside the others
+// (src/options/option_rules.h). `nameOf`: the place of an option, or what else the message calls
+// it.
+void requireNoConflict(const ViewState& state, const std::string& where,
+                       const std::function<std::string(std::string_view option)>& nameOf);
 
 // The file appears whole or not at all. Throws Error.
 void writeState(const std::filesystem::path& path, const ViewedVolume& volume,
