@@ -48,7 +48,7 @@ FirstPass planFirstPass(VolumeSource& source, int64_t time, const BlockLayout& l
   if (array_bytes > static_cast<double>(memory_bytes))
     failMemory(
         "{}: {} x {} x {} voxels in blocks of {} a side have {} of min-max arrays, --memory is {}; "
-        "give --memory {} or more, or a larger --block",
+        "give --memory {} or more to look at it and more to draw it, or a larger --block",
         voxels.name, voxels.dims.x, voxels.dims.y, voxels.dims.z, layout.size,
         wholeMebibytes(array_bytes), formatBytes(memory_bytes), wholeMebibytes(array_bytes));
 

@@ -9,6 +9,7 @@
 
 #include "io/zarr/levels/level_shape.h"
 #include "src/base/error.h"
+#include "src/base/values/bytes.h"
 #include "src/index/stale_check.h"
 
 namespace sluice {
@@ -133,6 +134,13 @@ VolumeSurface makeSurface(const IndexedVolume& volume, const SurfaceOptions& opt
       expectSameValues({.time = volume.time, .block = block}, {lo, hi},
                        expectedValues(ranges, block), {finest.name, ranges.map, ranges.index_file});
     };
+  const uint64_t least = leastSurfaceBytes(request);
+  if (least > request.memory_bytes)
+    failMemory(
+        "{}: --memory {} is too small for a surface, whose voxels and triangles take {}; give "
+        "--memory {}",
+        volume.name, formatBytes(pass.memory_bytes), formatBytes(least),
+        held + (is_decoded ? 2 * least - 1 : least));
   made.report = makeSurface(request, file, pass.pool, pass.progress);
   if (made.report.triangles == 0) {
     const ValueRange values = volume.finiteRange();

@@ -51,9 +51,14 @@ uint64_t pieceBytes(const SurfaceRequest& request, int64_t row_blocks) {
          PieceMesher::heldBytes(voxels) + request.source.heldBytesAThread();
 }
 
+// The bytes of so many threads.
+uint64_t threadsBytes(const SurfaceRequest& request, int64_t row_blocks, int threads) {
+  return pieceBytes(request, row_blocks) * static_cast<uint64_t>(threads) + PieceMesher::kPartBytes;
+}
+
 Shares sharesFor(const SurfaceRequest& request, int threads) {
   const auto needs = [&](int64_t row_blocks, int of) {
-    return pieceBytes(request, row_blocks) * static_cast<uint64_t>(of) + PieceMesher::kPartBytes;
+    return threadsBytes(request, row_blocks, of);
   };
   Shares shares{std::min(kMostRowBlocks, request.states.layout.grid.x), threads};
   while (shares.row_blocks > 1 && needs(shares.row_blocks, shares.threads) > request.memory_bytes)
@@ -229,6 +234,10 @@ std::pair<int64_t, int64_t> countBlocks(const SurfaceRequest& request) {
 }
 
 }  // namespace
+
+uint64_t leastSurfaceBytes(const SurfaceRequest& request) {
+  return threadsBytes(request, 1, 1);
+}
 
 SurfaceReport makeSurface(const SurfaceRequest& request, MeshFile& file, WorkerPool& pool,
                           ProgressMeter& progress) {

@@ -57,6 +57,9 @@ struct SurfaceReport {
   double seconds = 0;
 };
 
+// The least of SurfaceRequest::memory_bytes that works.
+uint64_t leastSurfaceBytes(const SurfaceRequest& request);
+
 // Writes the surface into `file`, which the caller commits. Adds the bytes of voxels to be read to
 // the total of `progress`. Throws Error from the source and the file, or if the memory is too
 // little, naming the least that works; Interrupted.

@@ -136,6 +136,39 @@ TEST(OutOfCore, tooLittleMemoryIsOneLineWithTheLeastThatWorksAndThatWorks) {
     }
 }
 
+// Needs that grow with the budget: plans of cuts, what culling keeps, channels that differ.
+TEST(OutOfCore, theLeastThatIsNamedWorksForEveryKindOfPicture) {
+  const Program program;
+  makeStores(program);
+  const std::string raw = "v_200x150x120_uint8.raw";
+  for (const std::string& command : {
+           "render " + raw + " -o a.png --levels always --keep-thin --block 32",
+           "render " + raw + " -o a.png --levels always --block 8 --threshold 200",
+           "render " + raw + " -o a.png --shadows --shade",
+           "render " + raw + " -o a.png --over v.zarr --block 16",
+           "render " + raw + " -o a.png --over " + raw + " --combine blend --block 32",
+           std::string("render synth:mixing,dims=96x96x96,steps=4 -o a_#.png --time 0:3 -t 100 "
+                       "--opacity 1 --culling toc --block 16"),
+           "surface " + raw + " -o a.ply --iso 90",
+           std::string("surface v.zarr -o a.ply --iso 90"),
+       }) {
+    const std::string line = command + " --force -q" +
+                             (command.starts_with("render") ? " --device cpu --size 128" : "") +
+                             " --memory ";
+    SCOPED_TRACE(line);
+    ASSERT_EQ(program.run(line + "1G").status, 0);
+    // Too little for a picture without culling names the least of that.
+    const bool culls = command.find("--culling") != std::string::npos;
+    const CommandResult refused = program.run(line + (culls ? "5000000" : "2500000"));
+    EXPECT_EQ(refused.status, 1) << refused.output;
+    const std::string least = leastMemoryIn(refused.output.substr(0, refused.output.size() - 1));
+    ASSERT_FALSE(least.empty()) << refused.output;
+    const CommandResult result = program.run(line + least);
+    EXPECT_EQ(result.status, 0) << result.output;
+    EXPECT_EQ(program.run(line + std::to_string(std::stoull(least) - 1)).status, 1);
+  }
+}
+
 TEST(OutOfCore, twoProcessesOpenOneVolumeForTheFirstTimeAtOnce) {
   const Program program;
   ASSERT_EQ(

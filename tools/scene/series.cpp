@@ -112,10 +112,15 @@ Series::Series(Scene& scene, const CullingArguments& culling, const ResourceArgu
             openFunctions(scene.volume, scene.look.transfer, culling, resources, scene.pool));
     });
   if (!functions_) return;
-  CullingOptions options = cullingOptions(culling.culling, frame, *functions_, scene.memory_bytes);
+  const auto optionsWith = [&](uint64_t memory_bytes) {
+    return cullingOptions(culling.culling, frame, *functions_, memory_bytes);
+  };
   const SeriesOpacity& opacity = *functions_->opacity();
-  scene.openSession(frame, opacity.bytes() + CulledBlocks::mostBytes(opacity, frame.size, options,
-                                                                     scene.pool.threads()));
+  scene.openSession(frame, [&](uint64_t memory_bytes) {
+    return opacity.bytes() + CulledBlocks::mostBytes(opacity, frame.size, optionsWith(memory_bytes),
+                                                     scene.pool.threads());
+  });
+  CullingOptions options = optionsWith(scene.memory_bytes);
   if (scene.share) scene.share->shareEstimate(options);
   culled_.emplace(functions_->opacity(), scene.volume.source->layout(), options, scene.pool);
   if (!is_auto_) scene.chooseBlocksBy(&*culled_);

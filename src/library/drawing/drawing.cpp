@@ -94,7 +94,7 @@ void Drawing::setLook(const LookOptions& look) {
   const Mode mode = modeOf(checked(look));
   const bool did_blend = scene_.blends();
   scene_.setLook(lookArguments(look, opened_->whole_series), mode);
-  if (scene_.blends() != did_blend) scene_.openSession(session_frame_, 0);
+  if (scene_.blends() != did_blend) scene_.openSession(session_frame_, noMoreBytes);
   asked_look_ = look;
   mode_ = mode;
   ++looks_;
@@ -191,7 +191,7 @@ Drawing::ReadyFrame Drawing::ready(const PictureOptions& picture, const IndexPas
   // Light that looks around has a share of the memory from the first such picture on.
   if (options.lighting.looksAround() && !session_frame_.lighting.looksAround()) {
     session_frame_.lighting = options.lighting;
-    scene_.openSession(session_frame_, 0);
+    scene_.openSession(session_frame_, noMoreBytes);
   }
   scene_.setTimeStep(steps);
   scene_.setOptions(options);

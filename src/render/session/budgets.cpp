@@ -46,7 +46,8 @@ uint64_t tableBytes(const PageGeometry& page) {
   return static_cast<uint64_t>(page.pages * (bricks * (2 * page.bytes_per_voxel + 1) + kMargin));
 }
 
-std::string shortageLine(const MemoryShortage::Bytes& of_one, size_t channels) {
+std::string shortageLine(const MemoryShortage::Bytes& of_one, size_t channels,
+                         std::optional<uint64_t> least_bytes) {
   const std::string sharing =
       channels == 1 ? ""
                     : fmt::format("{} channels share the memory evenly, and of each ", channels);
@@ -54,7 +55,8 @@ std::string shortageLine(const MemoryShortage::Bytes& of_one, size_t channels) {
       "--memory {} is too small: {}{} of textures and {} of buffers are the least that works; "
       "give --memory {} or fewer --pages",
       formatBytes(channels * of_one.memory), sharing, formatBytes(of_one.textures),
-      formatBytes(of_one.buffers), channels * (of_one.textures + of_one.buffers));
+      formatBytes(of_one.buffers),
+      least_bytes.value_or(channels * (of_one.textures + of_one.buffers)));
 }
 
 }  // namespace
@@ -89,8 +91,30 @@ uint64_t textureMemoryBytes(const PageGeometry& page, TexelPlace texels) {
   return 0;
 }
 
-MemoryShortage::MemoryShortage(const Bytes& of_one, size_t channels)
-    : Error(shortageLine(of_one, channels), Kind::kMemory), of_one_(of_one) {}
+MemoryShortage::MemoryShortage(const Bytes& of_one, size_t channels,
+                               std::optional<uint64_t> least_bytes)
+    : Error(shortageLine(of_one, channels, least_bytes), Kind::kMemory), of_one_(of_one) {}
+
+uint64_t leastMemoryBytes(const std::function<uint64_t(uint64_t memory_bytes)>& needOf,
+                          uint64_t refused) {
+  // Less than the need of a memory that is refused is refused, too: the steps meet the least from
+  // below. Where the need grows nearly as fast as the memory, they double it and halve back.
+  constexpr int kSteps = 12;
+  uint64_t need = needOf(refused);
+  for (int i = 0; i < kSteps; ++i) {
+    const uint64_t memory = need;
+    need = needOf(memory);
+    if (need <= memory) return memory;
+    refused = memory;
+  }
+  uint64_t enough = 2 * refused;
+  for (; needOf(enough) > enough; enough *= 2) refused = enough;
+  while (enough - refused > 1) {
+    const uint64_t middle = refused + (enough - refused) / 2;
+    (needOf(middle) <= middle ? enough : refused) = middle;
+  }
+  return enough;
+}
 
 Budgets shareMemory(uint64_t memory_bytes, const PageGeometry& page, TexelPlace texels,
                     const BufferNeeds& needs, int most_readers) {

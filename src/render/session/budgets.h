@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <optional>
 
 #include "cache/model/page_geometry.h"
 #include "src/base/error.h"
@@ -54,13 +56,20 @@ class MemoryShortage : public Error {
     uint64_t memory = 0, textures = 0, buffers = 0;
   };
   // `channels`: so many share --memory evenly, and the bytes are the part and the needs of one. The
-  // message names what all of them need.
-  explicit MemoryShortage(const Bytes& of_one, size_t channels = 1);
+  // message names `least_bytes` for all of them; unset: as much as these needs.
+  explicit MemoryShortage(const Bytes& of_one, size_t channels = 1,
+                          std::optional<uint64_t> least_bytes = {});
   const Bytes& ofOne() const { return of_one_; }
 
  private:
   Bytes of_one_;
 };
+
+// The least memory that holds what is needed of it. Some needs grow with the memory, such as those
+// of plans of a cut, whose blocks may take half of it. `needOf`: the bytes that are needed of so
+// much memory; they must never become less with more memory. Requires: needOf(refused) > refused.
+uint64_t leastMemoryBytes(const std::function<uint64_t(uint64_t memory_bytes)>& needOf,
+                          uint64_t refused);
 
 // Up to `most_readers` readers, fewer if memory is short. Throws MemoryShortage when level 4 leaves
 // too little to the others.

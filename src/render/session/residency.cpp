@@ -38,9 +38,10 @@ uint64_t sourceThreadBytes(const TimeStep& step) {
   return bytes;
 }
 
-BufferNeeds needsOf(const TimeStep& step, const ResidencyOptions& options) {
-  BufferNeeds needs =
-      bufferNeeds(*step.source, step.ranges->layout, options.partition, options.beside_bytes);
+}  // namespace
+
+BufferNeeds needsOf(const TimeStep& step, Partition partition, uint64_t beside_bytes) {
+  BufferNeeds needs = bufferNeeds(*step.source, step.ranges->layout, partition, beside_bytes);
   needs.source_thread_bytes = sourceThreadBytes(step);
   if (!step.coarser.empty()) needs.block_vox = step.ranges->layout.size;
   for (const CoarserStep& coarser : step.coarser)
@@ -48,12 +49,11 @@ BufferNeeds needsOf(const TimeStep& step, const ResidencyOptions& options) {
   return needs;
 }
 
-}  // namespace
-
 Residency::Residency(const TimeStep& step, Device& device, const ResidencyOptions& options)
     : device_(device),
       budgets_(shareMemory(options.memory_bytes, options.page, device.limits().texels,
-                           needsOf(step, options), readsAtOnce(*step.source, options.threads))),
+                           needsOf(step, options.partition, options.beside_bytes),
+                           readsAtOnce(*step.source, options.threads))),
       blocks_(bufferLevels(step), budgets_.volume_buffer, VolumeBuffer::Cold::kPacked),
       readers_(budgets_.readers + 1),
       chunks_(blocks_, readers_, budgets_.texture_buffer),

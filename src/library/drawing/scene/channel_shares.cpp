@@ -129,9 +129,9 @@ uint64_t othersBytes(const IndexedVolume& volume, const TransferFunction& transf
          judging_bytes;
 }
 
-void failOfShare(const Error& error, size_t channels) {
+void failOfShare(const Error& error, size_t channels, std::optional<uint64_t> least_bytes) {
   if (const auto* const shortage = dynamic_cast<const MemoryShortage*>(&error))
-    throw MemoryShortage(shortage->ofOne(), channels);
+    throw MemoryShortage(shortage->ofOne(), channels, least_bytes);
   if (channels == 1 || error.kind() != Error::Kind::kMemory) throw Error(error);
   failAs(error.kind(), "{} ({} channels share the memory evenly, and this is the part of one)",
          error.what(), channels);

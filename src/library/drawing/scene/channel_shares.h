@@ -59,7 +59,9 @@ uint64_t othersBytes(const IndexedVolume& volume, const TransferFunction& transf
                      const FrameOptions& frame, WorkerPool& pool);
 
 // Throws the Error again. One about a lack of memory tells if so many channels share the memory.
-[[noreturn]] void failOfShare(const Error& error, size_t channels);
+// `least_bytes`: see MemoryShortage.
+[[noreturn]] void failOfShare(const Error& error, size_t channels,
+                              std::optional<uint64_t> least_bytes = {});
 
 // The part of a machine for each of so many channels, which share the memory evenly.
 MachineOptions shareOf(MachineOptions machine, size_t channels);

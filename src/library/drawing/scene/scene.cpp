@@ -16,22 +16,6 @@
 #include "src/render/blocks/cut/cut_rules.h"
 
 namespace sluice {
-namespace {
-
-// Ranks have parts in the picture's place, and the first one the picture.
-uint64_t composedBytes(uint64_t part_bytes, PictureSize size, uint64_t memory_bytes) {
-  const uint64_t bytes = part_bytes + static_cast<uint64_t>(size.width) *
-                                          static_cast<uint64_t>(size.height) * kComposedPixelBytes;
-  if (bytes > memory_bytes)
-    failMemory(
-        "--memory {} is too small: the picture takes {} on each rank; give more --memory or a "
-        "smaller --size",
-        formatBytes(memory_bytes), formatBytes(bytes));
-  return bytes;
-}
-
-}  // namespace
-
 Scene::Scene(SceneInputs inputs, const LookArguments& asked_look, const FrameOptions& frame)
     : Layer(std::move(inputs.volume), shareOf(inputs.machine, 1 + inputs.more.size())),
       owned_pool(std::move(inputs.pool)),
@@ -51,7 +35,7 @@ Scene::Scene(SceneInputs inputs, const LookArguments& asked_look, const FrameOpt
       shareAmong(*inputs.team, inputs.lent, *layer, optionsOf(*layer, frame));
     device = share->deviceFrom(std::move(device));
   }
-  openSession(frame, 0);
+  openSession(frame, noMoreBytes);
   noteMemory();
 }
 
@@ -87,38 +71,24 @@ void Scene::shareAmong(Team& team, std::shared_ptr<const LentBoxes> lent, Layer&
   layer.share = std::make_unique<RankShare>(team, dealing, pool, layer.part_bytes);
 }
 
-void Scene::openSession(const FrameOptions& frame, uint64_t more_bytes) {
+void Scene::openSession(const FrameOptions& frame, const MoreBytes& more_bytes) {
   for (Layer* layer : layers()) layer->session.reset();
-  std::vector<FrameOptions> own;
-  for (const Layer* layer : layers()) own.push_back(optionsOf(*layer, frame));
   try {
-    for (size_t i = 0; i < own.size(); ++i) shareOut(*layers()[i], own[i], more_bytes);
-    if (blends()) {
-      std::vector<std::pair<const IndexedVolume*, PageGeometry*>> pages;
-      for (Layer* layer : layers()) pages.emplace_back(&layer->volume, &layer->page);
-      evenOutPages(pages);
+    const std::vector<BesideShare> shares = sharesOf(frame, more_bytes, memory_bytes);
+    for (size_t i = 0; i < shares.size(); ++i) {
+      Layer& layer = *layers()[i];
+      if (!layer.share) layer.part_bytes = shares[i].picture_bytes;
+      layer.page.pages = shares[i].pages;
+      layer.beside_bytes = shares[i].beside_bytes;
     }
     for (Layer* layer : layers()) openSession(*layer, frame.partition);
   } catch (const Error& error) {
     for (Layer* opened : layers()) opened->session.reset();  // none outlives the device
-    failOfShare(error, layers().size());
+    const auto needOf = [&](uint64_t memory) { return needOfMemory(frame, more_bytes, memory); };
+    const bool is_short = dynamic_cast<const MemoryShortage*>(&error) != nullptr;
+    failOfShare(error, layers().size(),
+                is_short ? std::optional(leastMemoryBytes(needOf, memory_bytes)) : std::nullopt);
   }
-}
-
-void Scene::shareOut(Layer& layer, const FrameOptions& frame, uint64_t more_bytes) {
-  const IndexedVolume& of = layer.volume;
-  const uint64_t others_bytes = othersBytes(of, layer.look.transfer, frame, pool) + more_bytes;
-  BesideShare beside =
-      besideShare(of, layer.machine, frame.partition, pictureDemand(machine, frame), others_bytes);
-  if (layer.share) {
-    beside.beside_bytes =
-        others_bytes + composedBytes(layer.part_bytes, frame.size, memoryBudget(layer.machine));
-    beside.pages = pageCount(layer.machine, of, beside.beside_bytes);
-  } else {
-    layer.part_bytes = beside.picture_bytes;
-  }
-  layer.page.pages = beside.pages;
-  layer.beside_bytes = beside.beside_bytes;
 }
 
 void Scene::openSession(Layer& layer, Partition partition) {

@@ -68,6 +68,12 @@ struct SceneInputs {
   bool may_be_lit = false;
 };
 
+// The bytes that others hold of so much memory for each layer.
+using MoreBytes = std::function<uint64_t(uint64_t memory_bytes)>;
+inline uint64_t noMoreBytes(uint64_t /*memory_bytes*/) {
+  return 0;
+}
+
 // A channel of a scene.
 struct Layer {
   Layer(std::shared_ptr<const IndexedVolume> of, MachineOptions share)
@@ -112,7 +118,7 @@ struct Scene : Layer {
   // Opens the session anew, so that the levels leave room for the min-max arrays, pictures or parts
   // of them, a frame's plan and `more_bytes`. The contents of the earlier session are lost. Throws
   // Error if the memory is too little.
-  void openSession(const FrameOptions& frame, uint64_t more_bytes);
+  void openSession(const FrameOptions& frame, const MoreBytes& more_bytes);
   // Throws Error from a transfer function's file; the looks are the same then.
   void setLook(const LookArguments& look, Mode mode);
   // The options of frames from now on, with the light of the first layer's look.
@@ -215,8 +221,12 @@ struct Scene : Layer {
   // Makes the layer's share of what these ranks draw.
   void shareAmong(Team& team, std::shared_ptr<const LentBoxes> lent, Layer& layer,
                   const FrameOptions& frame);
-  // Sets a layer's pages and what is held beside the levels.
-  void shareOut(Layer& layer, const FrameOptions& frame, uint64_t more_bytes);
+  // The shares of the layers if all of them had so much memory together.
+  std::vector<BesideShare> sharesOf(const FrameOptions& frame, const MoreBytes& more_bytes,
+                                    uint64_t of_memory) const;
+  // The bytes that the sessions need of so much memory.
+  uint64_t needOfMemory(const FrameOptions& frame, const MoreBytes& more_bytes,
+                        uint64_t of_memory) const;
   void openSession(Layer& layer, Partition partition);
   // The same of the layers, which the device has to draw.
   void requireBlendable(const LookArguments& look, const FrameOptions& options) const;

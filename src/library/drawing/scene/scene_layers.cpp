@@ -49,7 +49,75 @@ void keepCommon(Team& team, std::vector<std::optional<FrameReport>>& reports) {
   }
 }
 
+// Ranks have parts in the picture's place, and the first one the picture.
+uint64_t composedBytes(uint64_t part_bytes, PictureSize size) {
+  return part_bytes + static_cast<uint64_t>(size.width) * static_cast<uint64_t>(size.height) *
+                          kComposedPixelBytes;
+}
+
+// The cut that the frame would have with so much memory in place of `now_bytes`, of which each of
+// so many ranks holds its share.
+std::optional<CutOptions> cutAt(std::optional<CutOptions> cut, uint64_t memory_bytes,
+                                uint64_t now_bytes, uint64_t ranks) {
+  if (!cut) return cut;
+  for (const PictureRow row : {PictureRow::kOne, PictureRow::kMore})
+    if (cut->most_held_bytes == ranks * cutBytes(now_bytes, row)) {
+      cut->most_held_bytes = ranks * cutBytes(memory_bytes, row);
+      return cut;
+    }
+  return cut;
+}
+
 }  // namespace
+
+std::vector<BesideShare> Scene::sharesOf(const FrameOptions& frame, const MoreBytes& more_bytes,
+                                         uint64_t of_memory) const {
+  FrameOptions of_all = frame;
+  const uint64_t ranks = share ? static_cast<uint64_t>(share->team().ranks()) : 1;
+  of_all.cut = cutAt(frame.cut, of_memory, memory_bytes, ranks);
+  const PictureDemand picture = pictureDemand(machine, frame);
+  const uint64_t more = more_bytes(of_memory);
+  std::vector<BesideShare> shares;
+  std::vector<PageGeometry> pages;
+  for (const Layer* layer : layers()) {
+    MachineOptions own_machine = layer->machine;
+    own_machine.memory_bytes = std::max<uint64_t>(1, of_memory / layers().size());
+    const FrameOptions own = optionsOf(*layer, of_all);
+    const IndexedVolume& of = layer->volume;
+    const uint64_t others_bytes = othersBytes(of, layer->look.transfer, own, pool) + more;
+    BesideShare beside = besideShare(of, own_machine, own.partition, picture, others_bytes);
+    if (layer->share) {
+      const uint64_t part_bytes =
+          partBytes(frame.size, layer->share->dealing(), own_machine.memory_bytes);
+      beside.beside_bytes = others_bytes + composedBytes(part_bytes, frame.size);
+      beside.pages = pageCount(own_machine, of, beside.beside_bytes);
+    }
+    pages.push_back(layer->page);
+    pages.back().pages = beside.pages;
+    shares.push_back(beside);
+  }
+  if (!blends()) return shares;
+  std::vector<std::pair<const IndexedVolume*, PageGeometry*>> even;
+  for (size_t i = 0; i < pages.size(); ++i) even.emplace_back(&layers()[i]->volume, &pages[i]);
+  evenOutPages(even);
+  for (size_t i = 0; i < pages.size(); ++i) shares[i].pages = pages[i].pages;
+  return shares;
+}
+
+uint64_t Scene::needOfMemory(const FrameOptions& frame, const MoreBytes& more_bytes,
+                             uint64_t of_memory) const {
+  const std::vector<BesideShare> shares = sharesOf(frame, more_bytes, of_memory);
+  uint64_t most = 0;
+  for (size_t i = 0; i < shares.size(); ++i) {
+    const Layer& layer = *layers()[i];
+    PageGeometry page = layer.page;
+    page.pages = shares[i].pages;
+    const BufferNeeds needs = needsOf(layer.volume.step(), frame.partition, shares[i].beside_bytes);
+    most = std::max(
+        most, textureMemoryBytes(page, device->limits().texels) + leastBufferBytes(page, needs));
+  }
+  return most * shares.size();
+}
 
 FrameOptions Scene::optionsOf(const Layer& layer, const FrameOptions& options) const {
   if (more.empty()) return options;
