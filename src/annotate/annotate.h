@@ -30,7 +30,7 @@ struct Annotations {
   WorldFrame frame = WorldFrame::kNone;  // names the axes: R, A, S of patients, else x, y, z
   std::string unit;                      // unit of the world, as in VolumeLayout
   TransferFunction transfer;
-  ValueRange range;  // all values of the volume
+  ValueRange range;  // the values that the bar of colours is about
   // Labels or channels that show, in a picture of labels or of several channels. Each gets a patch
   // of its colour, in place of the colour bar.
   std::vector<LegendEntry> legend;

@@ -1,4 +1,5 @@
 // The pictures that `render` writes: EXR for compositing, annotations, names, and views.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -164,6 +165,21 @@ TEST(PictureOutput, annotationsStandBesideTheVolumeInEveryFrame) {
   };
   EXPECT_FALSE(differs(160, 0, 200, 200));
   EXPECT_TRUE(differs(0, 150, 55, 200));
+}
+
+TEST(PictureOutput, aBarOfARangeIsTheSameHoweverAStepIsAskedFor) {
+  const Program program;
+  for (const int step : {0, 1})
+    std::ofstream(program.folder / fmt::format("step_{}_8x8x8_uint8.raw", step))
+        << std::string(256, static_cast<char>(20)) +
+               std::string(256, static_cast<char>(60 + 40 * step));
+  const std::string line =
+      "render step_#_8x8x8_uint8.raw --range 0,120 --opacities 10:0,120:0.3 --view plain "
+      "--annotate "
+      "--size 150x300 --device cpu -q ";
+  ASSERT_EQ(program.run(line + "--time 0 -o one.png").status, 0);
+  ASSERT_EQ(program.run(line + "--time 0:1 -o more_#.png").status, 0);
+  EXPECT_TRUE(readFile(program.folder / "one.png") == readFile(program.folder / "more_0.png"));
 }
 
 // The visible pixels of a picture: mean row and their number.

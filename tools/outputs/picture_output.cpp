@@ -61,6 +61,16 @@ void showDepths(std::array<double, 2> depths_shown, Annotations& annotations) {
   annotations.transfer = std::move(depths);
 }
 
+// The values that a bar of colours is about: those that --range and the opacities give, whichever
+// of the steps are known, or else all values of the volume.
+ValueRange rangeOfBar(const Scene& scene) {
+  const std::optional<ValueRange>& asked = scene.asked.range;
+  const std::vector<OpacityPoint>& opacities = scene.look.transfer.opacities;
+  if (!asked || opacities.empty()) return scene.volume.valueRange();
+  return {std::min({asked->lo, asked->hi, opacities.front().value}),
+          std::max({asked->lo, asked->hi, opacities.back().value})};
+}
+
 Annotations annotationsOf(const PictureOutput& output, const FrameOptions& options,
                           const Scene& scene) {
   const VolumeLayout& layout = scene.volume.source->layout();
@@ -73,7 +83,7 @@ Annotations annotationsOf(const PictureOutput& output, const FrameOptions& optio
   annotations.frame = layout.frame;
   annotations.unit = layout.unit;
   annotations.transfer = scene.look.transfer;
-  annotations.range = scene.volume.valueRange();
+  annotations.range = rangeOfBar(scene);
   if (traitsOf(options.mode).codes_depth)
     showDepths(shownDepths(annotations.view, layout, options), annotations);
   // Surfaces alone: no other value shows.
