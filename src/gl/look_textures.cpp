@@ -90,13 +90,14 @@ void LookTextures::setSums(const FrameSetup& setup, GlProgram& program) {
   if (summed_look_ != setup.look_up) {
     integrated_ = integratedLook(look_up);
     summed_look_ = setup.look_up;
-    gl_.TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA32I, integrated_.entries(), 1, 0, GL_RGBA_INTEGER,
+    gl_.TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA32I, integrated_.entries(), 2, 0, GL_RGBA_INTEGER,
                    GL_INT, integrated_.sums.data());
   }
   setFilter(gl_, GL_NEAREST);
   program.set("sums", static_cast<int>(kSumsUnit));
   const double length = look_up.magnitudes.empty() ? setup.slice_length : 1;
   program.set2("sums_line", integrated_.entries() - 1, integrated_.unit * length);
+  program.set2("one_value", integrated_.one_value, integrated_.near_entry);
   const double scale = valueScale(setup.type);
   const std::array<float, 4> line = {static_cast<float>(scale * integrated_.entries_a_value),
                                      static_cast<float>(integrated_.first), 0, 0};

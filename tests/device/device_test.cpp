@@ -231,6 +231,44 @@ TEST_F(DeviceTest, valuesFindTheirColours) {
     }
 }
 
+// Also at a step of the transfer function, on which side of it rounding must not decide.
+TEST_F(DeviceTest, aSegmentOfOneValueLooksAsASampleOfIt) {
+  const std::vector<std::byte> bytes(static_cast<size_t>(volume(kDims)), std::byte{191});
+  device().makeResident(1, chunkTexels(kDims, DeviceType::kU8, bytes));
+  const std::vector<ColorPoint> colors{{0, {0, 0.2, 1}}, {191, {0, 0.2, 1}}, {191, {1, 0.2, 0}}};
+  for (const std::vector<OpacityPoint>& opacities : {
+           std::vector<OpacityPoint>{{191, 0.6}, {191, 0}, {200, 0.3}},
+           {{191, 0}, {191, 0.2}},
+           {{100, 0}, {191, 0.2}, {191, 0.1}, {255, 0.3}},
+           {{150, 0.1}},
+       })
+    for (const auto& [azimuth, projection] : {std::pair(0.0, Projection::kOrtho),
+                                              {33.0, Projection::kOrtho},
+                                              {71.0, Projection::kPerspective}}) {
+      FrameOptions options;
+      options.camera.azimuth_deg = azimuth;
+      options.camera.projection = projection;
+      options.size = {40, 40};
+      VolumeLayout layout;
+      layout.dims = kDims;
+      const ValueMap map = deviceMap(layout);
+      FrameSetup setup =
+          frameSetup(resolve(options.camera, layout, options.size, 0.7), layout,
+                     OpacityTable({colors, opacities, "step"}, map, {0, 255}), map, options);
+      const auto drawn = [&] {
+        device().beginFrame(setup);
+        draw(1, {{wholeBox()}});
+        return device().endFrame();
+      };
+      const Picture samples = drawn();
+      setup.integrates = true;
+      const Picture segments = drawn();
+      for (size_t i = 0; i < samples.rgba.size(); ++i)
+        ASSERT_NEAR(segments.rgba[i], samples.rgba[i], 1.0F / 255) << azimuth << ", number " << i;
+    }
+  device().evict(1);
+}
+
 TEST_F(DeviceTest, uploadsAndBindsAreCountedAtTheCall) {
   const uint64_t bytes_before = device().uploadedBytes(), binds_before = device().binds();
   const std::vector<std::byte> texels(512);

@@ -198,8 +198,10 @@ MeanLook::MeanLook(const LookUp& look_up) {
                                  extinction};
   };
   sums_.push_back({});
+  alone_.push_back(extinctionOf(0));
   for (size_t i = 0; i + 1 < std::max<size_t>(entries, 2); ++i) {
     const auto a = extinctionOf(i), b = extinctionOf(std::min(i + 1, entries - 1));
+    alone_.push_back(b);
     auto sum = sums_.back();
     auto& density = densities_.emplace_back();
     for (size_t c = 0; c < 4; ++c) {
@@ -225,8 +227,13 @@ std::array<double, 4> MeanLook::sumBelow(double entry) const {
 
 std::array<double, 4> MeanLook::between(double from, double to) const {
   const double a = from * scale_ + offset_, b = to * scale_ + offset_;
-  std::array<double, 4> mean = densityAt((a + b) / 2);
-  if (std::abs(b - a) > 1e-6) {
+  const Entry middle = entryOf((a + b) / 2, alone_.size(), true);
+  std::array<double, 4> mean{};
+  for (size_t c = 0; c < 4; ++c)
+    mean[c] = std::lerp(alone_[middle.first][c], alone_[middle.second][c], middle.part);
+  const double last = static_cast<double>(alone_.size()) - 1;
+  const bool beyond = std::max(a, b) <= 0 || std::min(a, b) >= last;
+  if (std::abs(b - a) > 1e-6 && !beyond) {
     const auto below_a = sumBelow(a), below_b = sumBelow(b);
     for (size_t c = 0; c < 4; ++c) mean[c] = (below_b[c] - below_a[c]) / (b - a);
   }

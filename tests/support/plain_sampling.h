@@ -52,8 +52,9 @@ class MeanLook {
   std::array<double, 4> sumBelow(double entry) const;
 
   double scale_ = 0, offset_ = 0;
-  // Extinction times red, green, blue and 1 of each step from an entry to the next, and their sums.
-  std::vector<std::array<double, 4>> densities_, sums_;
+  // Extinction times red, green, blue and 1 of each entry, of each step from an entry to the next,
+  // and the sums of the steps.
+  std::vector<std::array<double, 4>> alone_, densities_, sums_;
 };
 
 // The table's entry of a mean and a spread, premultiplied, and the share by which it stands for

@@ -1,5 +1,6 @@
 // Composite: a packet of pixels goes through one box after another, front to back.
 #include <algorithm>
+#include <utility>
 
 // Highway requires this order.
 // clang-format off
@@ -160,8 +161,8 @@ struct Passage {
     const Cells stored = storedCells(box);
     const V half = all(0.5F), one = all(1.0F);
     V front = k;
-    SumsAt front_sums = noSums();
-    bool has_front = false, has_sums = false;
+    Segment segment{k, k, noSums()};
+    bool has_front = false;
     for (;;) {
       bool leapt = false;
       const int turns = turnsFrom(k, end, way, leaps, leapt);
@@ -169,7 +170,7 @@ struct Passage {
       if (!has_front || leapt) {
         front = endAt(hn::Sub(k, half), stored);
         has_front = true;
-        has_sums = false;
+        segment.has_sums = false;
       }
       for (int j = turns; j > 0; --j, k = hn::Add(k, one)) {
         const V back = endAt(hn::Add(k, half), stored);
@@ -186,18 +187,18 @@ struct Passage {
                                          hn::Le(hn::Min(from, to), all(frame.most_visible))));
           if (hn::AllFalse(F(), shows)) {
             front = back;
-            has_sums = false;
+            segment.has_sums = false;
             continue;
           }
         }
-        if (!has_sums) front_sums = sumsAt(frame, from);
-        const SumsAt back_sums = sumsAt(frame, to);
+        segment.front = placeAmong(frame, from);
+        segment.back = placeAmong(frame, to);
+        const Extinction mean = meanOf(frame, shows, segment);
         const Color color = segmentColorOf<kType, kShading>(frame, box, placeOf(k, cells),
-                                                            front_sums, back_sums, ray_length);
+                                                            segment.middle(), mean, ray_length);
         if (!add(color, shows, k, pixels)) return;
         front = back;
-        front_sums = back_sums;
-        has_sums = kType != DeviceType::kF32;
+        if (kType == DeviceType::kF32) segment.has_sums = false;
       }
     }
   }

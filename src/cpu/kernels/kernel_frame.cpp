@@ -112,6 +112,9 @@ void FrameTables::setLookUp(const LookUpTables& tables) {
   if (const IntegratedLook& integrated = tables.integrated; !integrated.sums.empty()) {
     frame_.sums = integrated.sums.data();
     frame_.sums_last = static_cast<float>(integrated.entries() - 1);
+    frame_.sums_alone = frame_.sums + integrated.sums.size() / 2;
+    frame_.one_value = static_cast<float>(integrated.one_value);
+    frame_.near_entry = static_cast<float>(integrated.near_entry);
     const bool has_factors = !tables.key.look_up->magnitudes.empty();
     frame_.sums_unit =
         static_cast<float>(integrated.unit * (has_factors ? 1 : tables.key.slice_length));

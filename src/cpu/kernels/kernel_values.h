@@ -62,8 +62,10 @@ struct KernelFrame {
   // Pre-integrated frames, else null: IntegratedLook::sums, and the exponent of slice_length, or of
   // a unit length with factors, that a sum of 1 stands for.
   const int32_t* sums = nullptr;
-  float sums_unit = 1, sums_last = 1;  // the last entry
-  float least = 0, greatest = 0;       // values of the first and of the last entry
+  float sums_unit = 1, sums_last = 1;   // the last entry
+  const int32_t* sums_alone = nullptr;  // the second row of the sums
+  float one_value = 0, near_entry = 0;  // the look's
+  float least = 0, greatest = 0;        // values of the first and of the last entry
   // FrameSetup::window as its first value and 1 / its length, and FrameSetup::attenuation of the
   // way from slice to slice.
   float window_lo = 0, window_scale = 0, attenuation = 0;

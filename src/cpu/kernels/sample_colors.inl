@@ -147,17 +147,16 @@ HWY_INLINE Color colorOf(const KernelFrame& frame, const KernelBox& box, const V
   return color;
 }
 
-// The same of a segment. `at`: its middle.
+// The same of a segment. `at`: its middle; `middle`: the place of its value among the entries.
 template <DeviceType kType, Shading kShading>
 HWY_INLINE Color segmentColorOf(const KernelFrame& frame, const KernelBox& box, const V3& at,
-                                const SumsAt& front, const SumsAt& back, V ray_length) {
-  Color color = segmentColor(frame, front, back);
+                                V middle, const Extinction& mean, V ray_length) {
+  Color color = extinctionColor(frame, mean);
   Gradient gradient{};
   if constexpr (kShading == Shading::kSegmentGradients)
     gradient = gradientOf(box, differencesOf<kType, kShading>(box, at, placeAt(cellsOf(box), at)));
   if (kShading == Shading::kSegmentGradients && frame.rows > 0) {
     const V magnitude = hn::Mul(gradient.unit, hn::Sqrt(gradient.squared));
-    const V middle = hn::Mul(all(0.5F), hn::Add(front.place, back.place));
     const V entry = hn::Min(hn::Max(middle, hn::Zero(F())), all(frame.last_entry));
     color.a = hn::Mul(hn::Sub(all(1.0F), powerOfTwo(hn::Neg(color.a))),
                       factorAt(frame, magnitude, entry));

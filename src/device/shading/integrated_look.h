@@ -22,19 +22,22 @@ namespace sluice {
 inline constexpr double kMostExtinctionBits = 16;
 // Values are at most so many entries beyond the table: single precision keeps their fraction.
 inline constexpr float kMostEntriesBeyond = 4e6F;
-// Two values less than so many entries apart are one.
-inline constexpr float kOneEntry = 1e-3F;
 
 struct IntegratedLook {
-  // Four numbers an entry: the sums below it of extinction times red, green and blue, and of
-  // extinction. At least two entries. Between two entries sums are linear, and beyond the ends they
-  // go on as they do there.
+  // Two rows of four numbers an entry, at least two entries: the sums below it of extinction times
+  // red, green and blue, and of extinction; and the same four of the entry itself. Between two
+  // entries sums are linear, and beyond the ends they go on as they do there.
   std::vector<int32_t> sums;
   double unit = 1;  // extinction times entries that a sum of 1 stands for
   // The entry of a value: value * entries_a_value + first.
   double entries_a_value = 0, first = 0;
+  // Two values less than so many entries apart are one: it looks as the entries around it, linear
+  // in between, and as one of them if that is nearer than `near_entry`. So a step of the transfer
+  // function at a value shows there as it does in a single sample. Both are well above the rounding
+  // of single precision, which would put such a value on either side of the step.
+  double one_value = 0.125, near_entry = one_value / 8;
 
-  int entries() const { return static_cast<int>(sums.size() / 4); }
+  int entries() const { return static_cast<int>(sums.size() / 8); }
 };
 IntegratedLook integratedLook(const LookUp& look_up);
 

@@ -131,22 +131,32 @@ uniform isampler2D sums;   // IntegratedLook
 // The last entry; the exponent of slice_length, or of a unit length with factors, that a sum of 1
 // stands for.
 uniform vec2 sums_line;
+uniform vec2 one_value;    // IntegratedLook::one_value and near_entry
 
-// A value's place among the entries, and the sums below it: those below the entry before it, their
-// growth up to the next entry, and the part of it up to the place.
+// A value's place among the entries, and the sums below it: those below the entry before it, and the
+// part of their growth up to the next entry that lies below the place.
 struct SumsAt {
   float place;
   ivec4 below;
-  vec4 growth, part;
+  vec4 part;
 };
 SumsAt sumsAt(float value) {
   SumsAt result;
   result.place = clamp(value * entry_scale + entry_offset, -4e6, 4e6);
   float first = clamp(floor(result.place), 0.0, sums_line.x - 1.0);
   result.below = texelFetch(sums, ivec2(int(first), 0), 0);
-  result.growth = vec4(texelFetch(sums, ivec2(int(first) + 1, 0), 0) - result.below);
-  result.part = (result.place - first) * result.growth;
+  result.part = (result.place - first) *
+                vec4(texelFetch(sums, ivec2(int(first) + 1, 0), 0) - result.below);
   return result;
+}
+
+// The numbers of one value.
+vec4 oneValueAt(float place) {
+  place = clamp(place, 0.0, sums_line.x);
+  float first = min(floor(place), sums_line.x - 1.0);
+  float part = clamp((place - first - one_value.y) / (1.0 - 2.0 * one_value.y), 0.0, 1.0);
+  return mix(vec4(texelFetch(sums, ivec2(int(first), 1), 0)),
+             vec4(texelFetch(sums, ivec2(int(first) + 1, 1), 0)), part);
 }
 
 // The mean of the values from one place to another: colour, not premultiplied, and the exponent of
@@ -154,10 +164,12 @@ SumsAt sumsAt(float value) {
 vec4 segmentColor(SumsAt front, SumsAt back) {
   float way = back.place - front.place;
   // One value, or values beyond one end of the table, which all look the same.
-  bool even = abs(way) < 1e-3 || min(front.place, back.place) >= sums_line.x ||
+  bool even = abs(way) < one_value.x || min(front.place, back.place) >= sums_line.x ||
               max(front.place, back.place) <= 0.0;
   vec4 sum = vec4(back.below - front.below) + (back.part - front.part);
-  vec4 mean = even ? 0.5 * (front.growth + back.growth) : sum / (even ? 1.0 : way);
+  vec4 mean = sum / (even ? 1.0 : way);
+  // A loop, since software GL skips no `if`.
+  for (bool again = even; again; again = false) mean = oneValueAt(0.5 * (front.place + back.place));
   float extinction = max(mean.a, 0.0);
   return vec4(clamp(mean.rgb / max(extinction, 1e-20), 0.0, 1.0), extinction * sums_line.y);
 }
