@@ -212,6 +212,41 @@ TEST_F(ModesTest, voxelsOfFloatsAndDescendingValuesAttenuateAlike) {
   EXPECT_TRUE(within(kOfReference, scene.draw(options), scene.reference(options)));
 }
 
+// All values that show have the brightest colour, whatever entry lies next to the threshold.
+TEST_F(ModesTest, aThresholdAboveTheRangeIsAsBrightAsTheMaximum) {
+  const auto noise = makeWhiteNoise({24, 20, 18}, VoxelType::kU8, 8);
+  VolumeLayout negative = noise->layout();
+  negative.value_scale = -1;
+  negative.value_offset = 255;
+  MemorySource turned(negative, {noise->bytes().begin(), noise->bytes().end()});
+  const auto floats = makeWhiteNoise({24, 20, 18}, VoxelType::kF32, 8);
+  const double top = valueRangeOf(*floats).hi;
+  FrameOptions options = obliqueView(Projection::kOrtho);
+  for (const auto& [source, unit] : {std::pair<MemorySource*, double>(noise.get(), 1.0),
+                                     {&turned, 1.0},
+                                     {floats.get(), top / 255}})
+    for (const double threshold : {149.5, 149.687, 149.999, 150.0}) {
+      const ValueRange range{20 * unit, 60 * unit};
+      RenderScene scene(device(), *source, thresholdTransfer(threshold * unit, range, 1, "grey"),
+                        {.block_vox = 8});
+      options.mode = Mode::kMip;
+      const FloatPicture maximum = scene.draw(options);
+      EXPECT_GT(shownShare(maximum), 0.1);
+      for (const Mode mode : {Mode::kAttenuatedMip, Mode::kDepthMip}) {
+        options.mode = mode;
+        const FloatPicture picture = scene.draw(options);
+        EXPECT_GT(shownShare(picture), 0.1);
+        for (size_t i = 0; i < picture.rgba.size(); i += 4) {
+          if (picture.rgba[i + 3] < 0.999F) continue;
+          if (mode == Mode::kAttenuatedMip) {
+            ASSERT_NEAR(picture.rgba[i], 1, 0.01) << threshold;
+          }
+          ASSERT_GT(picture.rgba[i + 1], 0.05) << threshold << ", mode " << static_cast<int>(mode);
+        }
+      }
+    }
+}
+
 // --- labels
 
 // Balls that touch, of numbers that are far apart and in no order.

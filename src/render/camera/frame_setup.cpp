@@ -60,6 +60,24 @@ int64_t firstSlice(const View& view) {
   return static_cast<int64_t>(std::floor(-view.first_depth / view.step - 0.5)) + 1;
 }
 
+// FrameSetup::window. If all colours lie at one value, as those of a threshold above the range do,
+// the values from there on have the last colour: the window ends at the first entry that has it and
+// begins an entry before.
+std::array<double, 2> windowOf(const Look& look, const ValueMap& map) {
+  const std::vector<ColorPoint>& colors = look.transfer.colors;
+  const double first = map.deviceOf(colors.front().value), last = map.deviceOf(colors.back().value);
+  if (first != last) return {first, last};
+  constexpr double kRounding = 1e-6;
+  const ValueRange range = look.look_up->device_range;
+  const double entries = static_cast<double>(look.look_up->rgba.size() / 4) - 1;
+  const double entry = entries > 0 && range.hi > range.lo ? (range.hi - range.lo) / entries : 1;
+  const double at = (last - range.lo) / entry;
+  const bool ascends = map.scale > 0;
+  const double end =
+      range.lo + entry * (ascends ? std::ceil(at - kRounding) : std::floor(at + kRounding));
+  return {ascends ? end - entry : end + entry, end};
+}
+
 // The depths between which the clip planes leave something of the cells; those of the whole box if
 // they leave nothing.
 std::array<double, 2> depthsOf(const FrameSetup& setup, const Box3& cells) {
@@ -171,8 +189,7 @@ FrameSetup frameSetup(const View& view, const VolumeLayout& layout, const Look& 
                       const ValueMap& map, const FrameOptions& options, bool lit) {
   FrameSetup setup = setupOf(view, layout, look.table, look.look_up, map, options);
   setup.lit = lit;
-  const std::vector<ColorPoint>& colors = look.transfer.colors;
-  setup.window = {map.deviceOf(colors.front().value), map.deviceOf(colors.back().value)};
+  setup.window = windowOf(look, map);
   setup.attenuation = look.transfer.attenuation;
   if (traitsOf(setup.mode).codes_depth) setup.depth_colors = depthColors(look.transfer);
   // Rays or pixels may stop, or leap, so that fewer samples are taken than lie in the frame's
