@@ -343,6 +343,12 @@ TEST_F(LevelsCommand, oneBrightVoxelIsFoundByAPlanAndDrawnWithKeepThin) {
       SCOPED_TRACE(fmt::format("{} at {}", view, size));
       EXPECT_GT(shown(size, view + " --keep-thin"), truth / 2);
     }
+    // The plain picture has the same rays.
+    const json verified = program_.json(
+        "render one.zarr --threshold 20 --opacity 1 --no-shade --fit volume --size 40 -o v.png "
+        "--force --keep-thin --verify " +
+        view);
+    EXPECT_LE(verified["verify"]["max_difference"].get<double>(), 1) << view;
   }
   EXPECT_EQ(program_.run("render " + look + "-o w.png --keep-thin --level 1").status, 2);
 }

@@ -136,7 +136,8 @@ int run(Arguments& arguments, CLI::App& app, Team* team) {
     last.camera = cameraOf(cameras, to_draw.back());
     verified = verify(scene,
                       {arguments.volume, arguments.resources, fitted.asked, at, arguments.fit, room,
-                       arguments.look.this_step, timeOf(arguments, to_draw.back()), has_step},
+                       arguments.look.this_step, timeOf(arguments, to_draw.back()), has_step,
+                       drawn.frames.back().layers},
                       last, drawn.picture);
     report["verify"] = {{"max_difference", verified->max_difference},
                         {"mean_difference", verified->mean_difference},

@@ -112,6 +112,38 @@ double finestStep(const std::vector<IndexedVolume>& volumes, const FrameOptions&
   return least;
 }
 
+// The rays of the picture's layer.
+PixelRays raysOf(const VerifiedView& view, size_t layer) {
+  return layer < view.layers.size() ? view.layers[layer].report.rays : PixelRays();
+}
+
+// Whether the pixel is more opaque than what is kept, or as opaque and brighter, or darker.
+bool wins(const float* pixel, const float* kept, KeptRay ray) {
+  if (pixel[3] != kept[3]) return pixel[3] > kept[3];
+  const float here = pixel[0] + pixel[1] + pixel[2], there = kept[0] + kept[1] + kept[2];
+  return ray == KeptRay::kBrightest ? here > there : here < there;
+}
+
+// The picture of one ray after the other of each pixel, which shows the one that wins.
+Picture pictureOfRays(Session& session, FrameOptions options, PixelRays rays) {
+  const auto placeOf = [&](int i) { return (i + 0.5) / rays.a_side - 0.5; };
+  Picture result;
+  for (int y = 0; y < rays.a_side; ++y)
+    for (int x = 0; x < rays.a_side; ++x) {
+      options.ray_shift = {placeOf(x), placeOf(y)};
+      session.setOptions(options);
+      Picture drawn = session.frame().picture;
+      if (x == 0 && y == 0) {
+        result = std::move(drawn);
+        continue;
+      }
+      for (size_t i = 0; i < result.rgba.size(); i += 4)
+        if (wins(&drawn.rgba[i], &result.rgba[i], rays.kept))
+          std::copy_n(&drawn.rgba[i], 4, &result.rgba[i]);
+    }
+  return result;
+}
+
 void compare(const Picture& plain, const Picture& picture, Verification& result) {
   double sum = 0;
   for (size_t pixel = 0; pixel < plain.rgba.size(); pixel += 4) {
@@ -190,12 +222,16 @@ Verification verify(Scene& scene, const VerifiedView& view, FrameOptions options
                                            *scene.device, scene.pool, session);
     plain->setTransferFunction(layer.look.transfer);
     plain->chooseBlocksBy(all ? &every_block : nullptr);
-    plain->setOptions(scene.optionsOf(layer, options));
+    const PixelRays rays = raysOf(view, i);
+    FrameOptions own = scene.optionsOf(layer, options);
+    // Slices are no farther apart than rays.
+    if (rays.a_side > 1 && !traitsOf(own.mode).on_planes) own.step_vox /= 2;
+    plain->setOptions(own);
     if (scene.blends()) {
       blended.push_back(std::move(plain));
       continue;
     }
-    Picture drawn = plain->frame().picture;
+    Picture drawn = pictureOfRays(*plain, own, rays);
     if (!sum)
       sum = std::move(drawn);
     else

@@ -4,7 +4,9 @@
 // again and its ranges are read from the voxels, in blocks of another size. The view is fitted to
 // those. The finest level is drawn, whatever levels the picture was drawn from. Every block is
 // drawn whole, also those that show nothing, every sample of a ray is taken, and nothing is left
-// out for time. Both pictures share the transfer function and the device.
+// out for time. Of a picture with several rays a pixel (--keep-thin) the plain one has the same
+// rays, each drawn as a picture of its own. Both pictures share the transfer function and the
+// device.
 #pragma once
 
 #include <cstdint>
@@ -31,8 +33,9 @@ struct VerifiedView {
   FitChoice fit;
   Room room;
   bool this_step = false;
-  int64_t time = 0;       // the step that the picture shows
-  bool has_step = false;  // the user set the distance of slices
+  int64_t time = 0;                     // the step that the picture shows
+  bool has_step = false;                // the user set the distance of slices
+  std::vector<LayerFrame> layers = {};  // the reports of the picture
 };
 
 // `options` belong to the picture. Draws the scene's last picture: the scene's session is gone

@@ -44,6 +44,8 @@ struct FrameOptions {
   PictureSize size;
   double step_vox = 1;  // between slices, in units of the finest spacing
   Mode mode = Mode::kComposite;
+  // How far the rays lie beside the middles of the pixels, in pixels to the right and up.
+  std::array<double, 2> ray_shift{0, 0};
   bool with_depth = false;
   // From this opacity on a pixel counts as opaque, see rayThreshold() and hidingThreshold(). 1: the
   // picture does not change. Unset: 1; kDefaultOpaque for occlusion, and for a chooser that culls

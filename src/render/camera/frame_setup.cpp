@@ -117,6 +117,7 @@ FrameSetup setupOf(const View& view, const VolumeLayout& layout, const OpacityTa
   setup.planes_a_voxel = std::max(
       1, static_cast<int>(
              std::ceil(setup.slice_length > 0 ? std::min(1 / setup.slice_length, 1e6) - 1e-6 : 1)));
+  setup.rays = raysBeside(setup.rays, options.ray_shift);
   setup.opacity_threshold = rayThreshold(options);
   setup.with_depth = options.with_depth;
   if (traitsOf(setup.mode).has_colors) {
@@ -176,6 +177,12 @@ FrameSetup viewSetup(const View& view, const VolumeLayout& layout,
   setup.shown = boxOf(layout.dims - Vec3i{1, 1, 1});
   setup.clip_planes = clipPlanes(planes, layout);
   return setup;
+}
+
+RayGrid raysBeside(RayGrid rays, std::array<double, 2> pixels) {
+  rays.origin0 = rays.origin0 + rays.origin_dx * pixels[0] + rays.origin_dy * pixels[1];
+  rays.step0 = rays.step0 + rays.step_dx * pixels[0] + rays.step_dy * pixels[1];
+  return rays;
 }
 
 FrameSetup frameSetup(const View& view, const VolumeLayout& layout, const OpacityTable& table,

@@ -121,6 +121,7 @@ Frame Session::frame() {
   frame.report.stages.light = light_s;
   if (setup.light != nullptr) frame.report.light_texels = setup.light->dims;
   frame.report.step_vox = options.step_vox;
+  if (rays > 1) frame.report.rays = {rays, *kept_ray};
   frame.blocks = visible;
   if (judges_surfaces) countLost(*look, *visible, view, judged, frame.report);
   noteDrawn(visible, frame.report.seconds - frame.report.stages.draw - classify_s - plan_s,

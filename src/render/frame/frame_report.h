@@ -9,6 +9,7 @@
 #include "src/base/values/picture.h"
 #include "src/render/blocks/visible_blocks.h"
 #include "src/render/frame/frame_occlusion.h"
+#include "src/render/frame/pixel_rays.h"
 
 namespace sluice {
 
@@ -31,6 +32,7 @@ struct BlockClasses {
 struct FrameReport {
   double seconds = 0;
   double step_vox = 1;  // between slices
+  PixelRays rays;
   StageSeconds stages;
   // When counted: samples in the boxes that were drawn, and the samples that the device took of
   // them, fewer if rays end early and pixels are stopped (with depth: not counted, all).

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "src/base/error.h"
+#include "src/render/camera/frame_setup.h"
 #include "src/render/camera/pixel_sizes.h"
 
 namespace sluice {
@@ -70,10 +71,7 @@ int raysASide(const TimeStep& step, const VisibleBlocks& visible, const View& vi
 
 RayGrid raysOfPixel(const RayGrid& middles, int x, int y, int side) {
   const auto shiftOf = [side](int at) { return (at + 0.5) / side - 0.5; };
-  RayGrid rays = middles;
-  rays.origin0 = rays.origin0 + rays.origin_dx * shiftOf(x) + rays.origin_dy * shiftOf(y);
-  rays.step0 = rays.step0 + rays.step_dx * shiftOf(x) + rays.step_dy * shiftOf(y);
-  return rays;
+  return raysBeside(middles, {shiftOf(x), shiftOf(y)});
 }
 
 void keepMost(Picture& kept, const Picture& more, KeptRay ray) {

@@ -19,6 +19,11 @@ inline constexpr double kMostRays = 1 << 26;
 
 // The ray that a pixel shows, of those of the same opacity.
 enum class KeptRay { kBrightest, kDarkest };
+// The rays of a picture: along each side of a pixel, and which of them it shows.
+struct PixelRays {
+  int a_side = 1;
+  KeptRay kept = KeptRay::kBrightest;
+};
 // Returns the ray that a pixel keeps in this mode. For an extreme it is the ray whose value wins,
 // if the look's colours become ever brighter, or ever darker, with the values. nullopt: colours do
 // not tell which ray it is, or the mode looks at all of them.
