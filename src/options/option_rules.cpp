@@ -56,6 +56,9 @@ struct ValueRule {
 constexpr std::string_view kNotLit = "needs --mode composite, since other modes are not lit";
 constexpr std::string_view kLights = "lights the picture; leave out --no-shade";
 
+constexpr std::string_view kMixed =
+    "needs --mode composite, since other modes mix the numbers of labels";
+
 constexpr std::array kValueRules = std::to_array<ValueRule>({
     {"--iso", hasColors, "needs --mode composite, since other modes show one value a pixel"},
     {"--shadows", hasColors, kNotLit},
@@ -64,12 +67,24 @@ constexpr std::array kValueRules = std::to_array<ValueRule>({
     {"--occlusion-light", isNotUnlit, kLights},
     {"--depth-cueing", hasColors, "needs --mode composite"},
     {"--jitter", hasColors, "needs --mode composite"},
+    {"--labels", hasColors, kMixed},
+    {"--labels-table", hasColors, kMixed},
+    {"--label", hasColors, kMixed},
 });
 
-// The value that asks for nothing. Requires: the option takes a number or surfaces.
+// The value that asks for nothing. Requires: the option takes a number, surfaces or labels.
 OptionValue nothingOf(const OptionEntry& entry) {
-  if (entry.kind.form == OptionForm::kSurfaces) return std::vector<std::string>();
-  return 0.0;
+  switch (entry.kind.form) {
+    case OptionForm::kSurfaces:
+    case OptionForm::kLabels:
+      return std::vector<std::string>();
+    case OptionForm::kFlag:
+      return false;
+    case OptionForm::kFile:
+      return std::string();
+    default:
+      return 0.0;
+  }
 }
 
 bool isBroken(const ValueRule& rule, const ViewState& state) {

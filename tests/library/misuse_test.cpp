@@ -38,6 +38,9 @@ TEST(Renderer, valuesWithoutEffectThrow) {
             "lighting.shadows lights the picture; leave out light");
   shadowed.lighting.shadows = 0;
   renderer.draw(shadowed);
+  EXPECT_EQ(
+      errorOf([&] { renderer.setLook({.mode = LookOptions::Mode::kAverage, .labels = true}); }),
+      "labels needs mode composite, since other modes mix the numbers of labels");
 }
 
 TEST(Renderer, picturesThatAreNoneThrowAndTheNextIsRight) {

@@ -69,6 +69,18 @@ TEST_F(Looks, blocksWithoutASurfaceAreNotRead) {
   EXPECT_GT(blocks("--iso 100"), 0);
 }
 
+// A greatest or mean number of several labels belongs to a label that no ray meets.
+TEST_F(Looks, labelsAreRefusedInModesThatMixNumbers) {
+  for (const std::string mode : {"mip", "minip", "average", "attenuated-mip", "depth-mip"})
+    for (const std::string labels : {"--labels", "--label 3=ff8800"}) {
+      SCOPED_TRACE(mode + " " + labels);
+      EXPECT_THAT(
+          refusal(fmt::format("synth:parts,dims=20x20x20 {} --mode {}", labels, mode)),
+          HasSubstr(labels.substr(0, labels.find(' ')) +
+                    " needs --mode composite, since other modes mix the numbers of labels"));
+    }
+}
+
 TEST_F(Looks, surfacesAreRefusedWhereThereCanBeNone) {
   const std::string small = kSmall;
   EXPECT_THAT(refusal(small + " --iso 100 --mode mip"), HasSubstr("--iso needs --mode composite"));

@@ -109,6 +109,8 @@ TEST_F(SavedView, valuesWithoutEffectAreRefusedByTheirPlaces) {
   EXPECT_EQ(refusal(R"("shadows": 0.5, "look": {"mode": "mip"})"),
             "sluice: view.json: /shadows needs /look/mode composite, since other modes are not "
             "lit\n");
+  EXPECT_THAT(refusal(R"("look": {"labels": true, "mode": "average"})"),
+              HasSubstr("view.json: /look/labels needs /look/mode composite"));
   EXPECT_THAT(refusal(R"("look": {"surfaces": ["20"], "mode": "mip"})"),
               HasSubstr("view.json: /look/surfaces needs /look/mode composite"));
   EXPECT_THAT(refusal(R"("path": {"kind": "keys", "keys": [{"jitter": 1, "look": {"mode": "mip"},
