@@ -269,6 +269,32 @@ TEST_F(SurfaceLevelsTest, ofTheFinestLevelAloneAreLitAsOfAVolumeOfOneLevel) {
   EXPECT_LT(compare(draw(*session, options).picture, alone).max_255, 1);
 }
 
+// Reading all of the finest level is too much for the light of a part of a volume, and of a volume
+// that is larger than the blocks of a picture may be.
+TEST_F(SurfaceLevelsTest, areLitFromTheFinestLevelIfAllOfItIsDrawn) {
+  VolumeLayout layout;
+  layout.dims = {100, 100, 100};
+  layout.type = VoxelType::kU16;
+  VisibleBlocks blocks;
+  FrameOptions options;
+  EXPECT_TRUE(lightsFromFinest(blocks, options, layout)) << "of one level";
+  options.cut = CutOptions{.most_held_bytes = 2'000'000};
+  blocks.cut.emplace().levels.resize(1);
+  EXPECT_TRUE(lightsFromFinest(blocks, options, layout));
+  options.cut->most_held_bytes = 1'999'999;
+  EXPECT_FALSE(lightsFromFinest(blocks, options, layout));
+  options.cut = CutOptions{};
+  options.crop = Box3{{0, 0, 0}, {9, 9, 9}};
+  EXPECT_FALSE(lightsFromFinest(blocks, options, layout));
+  options.crop.reset();
+  options.time_limit_s = 1;
+  EXPECT_FALSE(lightsFromFinest(blocks, options, layout));
+  options.time_limit_s.reset();
+  blocks.cut->levels.resize(2);
+  blocks.cut->levels.back().level = 1;
+  EXPECT_FALSE(lightsFromFinest(blocks, options, layout));
+}
+
 // A bright sheet of one voxel: the means of level 3 stay below the surface's value.
 TEST_F(SurfaceLevelsTest, thinSheetsAreCountedAndKept) {
   const auto source = makeMemorySource<uint8_t>(

@@ -81,9 +81,10 @@ Frame Session::frame() {
   setup.has_surfaces = has_surfaces;
   stage.lap();
   if (setup.lit && traitsOf(options.mode).has_colors)
-    setup.light = light_.of(step_, look,
-                            drawsFinestAlone(*visible) ? MatterFrom::kFinest : MatterFrom::kLevels,
-                            view, options, pool_);
+    setup.light = light_.of(
+        step_, look,
+        lightsFromFinest(*visible, options_, volume) ? MatterFrom::kFinest : MatterFrom::kLevels,
+        view, options, pool_);
   const double light_s = stage.lap();
   setup.integrates = Planner::integrates(step_, *look, view, options);
 

@@ -109,10 +109,10 @@ LightVolumePtr ArrivingLight::of(const TimeStep& step, const LookPtr& look, Matt
 
 uint64_t lightBytes(const VolumeLayout& layout, int threads) {
   const auto texels = static_cast<uint64_t>(coarseGrid(layout).count());
-  // Extinctions, of both sources and cropped, and the sums that they are means of, or the key and
-  // the ambient light; the light volume, and its copy on a device that has textures in memory or
-  // keeps it in squares (src/cpu/light_squares.h).
-  constexpr uint64_t kTexelBytes = 3 * sizeof(float) + 2 * sizeof(double) + 4 + 8;
+  // Extinctions, of both sources, cropped, and those that the cropped ones were made of; the sums
+  // that they are means of, or the key and the ambient light; the light volume, and its copy on a
+  // device that has textures in memory or keeps it in squares (src/cpu/light_squares.h).
+  constexpr uint64_t kTexelBytes = 4 * sizeof(float) + 2 * sizeof(double) + 4 + 8;
   const uint64_t read = static_cast<uint64_t>(std::min(kMostCoarseVoxelsRead, volume(layout.dims)));
   return texels * kTexelBytes +
          static_cast<uint64_t>(threads) * read * bytesPerVoxel(deviceMap(layout).type) * 2;

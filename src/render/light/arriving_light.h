@@ -50,8 +50,7 @@ class ArrivingLight {
     friend bool operator==(const LightKey&, const LightKey&) = default;
   };
 
-  // Of the finest voxels and of levels: previews of a picture of level 0 come between such
-  // pictures.
+  // One for the finest voxels and one for levels: previews alternate with pictures of level 0.
   std::array<Memo<MatterKey, const CoarseExtinction>, 2> matter_;
   Memo<ShownKey, const CoarseExtinction> shown_;
   Memo<Identity<CoarseExtinction>, const Numbers> ambient_;

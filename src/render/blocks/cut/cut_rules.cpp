@@ -116,9 +116,15 @@ int finestLevelDrawn(const VisibleBlocks& blocks) {
   return blocks.cut && !blocks.cut->levels.empty() ? blocks.cut->levels.front().level : 0;
 }
 
-bool drawsFinestAlone(const VisibleBlocks& blocks) {
-  return !blocks.cut || std::ranges::all_of(blocks.cut->levels,
-                                            [](const auto& level) { return level.level == 0; });
+bool lightsFromFinest(const VisibleBlocks& blocks, const FrameOptions& options,
+                      const VolumeLayout& layout) {
+  if (!blocks.cut) return true;
+  const bool is_alone =
+      std::ranges::all_of(blocks.cut->levels, [](const auto& level) { return level.level == 0; });
+  const CutOptions cut = options.cut.value_or(CutOptions{});
+  const uint64_t bytes = static_cast<uint64_t>(volume(layout.dims)) * bytesPerVoxel(layout.type);
+  return is_alone && !options.crop && !options.time_limit_s &&
+         bytes <= std::min(cut.most_stored_bytes, cut.most_held_bytes);
 }
 
 double spacingOfLevel(const TimeStep& step, int level) {

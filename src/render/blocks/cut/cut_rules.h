@@ -45,8 +45,12 @@ int finestLevelShown(const TimeStep& step, const View& view, const CutOptions& o
 int coarsestLevelShown(const TimeStep& step, const View& view, const VisibleBlocks& blocks);
 // The finest level of the blocks of the whole picture; 0 if there are none.
 int finestLevelDrawn(const VisibleBlocks& blocks);
-// Whether the whole picture, and what lies beside it, has no block of a coarser level.
-bool drawsFinestAlone(const VisibleBlocks& blocks);
+// Whether shadows and occlusion are made from the finest level, as in a volume of one level: if it
+// is drawn alone, uncropped and without a limit of time, and all of it takes no more than the
+// blocks of a picture may. Else they come from a coarser level: reading a large volume whole would
+// take longer than a picture of a part of it.
+bool lightsFromFinest(const VisibleBlocks& blocks, const FrameOptions& options,
+                      const VolumeLayout& layout);
 // The finest spacing of a level's voxels in units of the volume's finest spacing.
 double spacingOfLevel(const TimeStep& step, int level);
 
