@@ -10,6 +10,7 @@
 #include <string_view>
 #include <utility>
 
+#include "python/keyword_rules.h"
 #include "src/base/field_names.h"
 #include "src/options/option_rules.h"
 #include "src/options/option_table.h"
@@ -17,15 +18,6 @@
 
 namespace sluice::python {
 namespace {
-
-std::string keywordOf(std::string_view option) {
-  std::string keyword(option.substr(option.find_first_not_of('-')));
-  std::replace(keyword.begin(), keyword.end(), '-', '_');
-  return keyword;
-}
-std::string keywordOf(const auto& entry) {
-  return keywordOf(entry.option.empty() ? entry.key : entry.option);
-}
 
 std::string printed(const py::handle& value) {
   return py::repr(value).cast<std::string>();
@@ -305,39 +297,6 @@ const OptionEntry* entryOf(const std::string& keyword) {
   for (const OptionEntry& entry : optionTable())
     if (!entry.option.empty() && keywordOf(entry) == keyword) return &entry;
   return nullptr;
-}
-
-// Refuses what the command line refuses, see option_rules.h.
-void requirePairs(const py::kwargs& keywords) {
-  const auto given = [&](const std::string& keyword) {
-    if (!keywords.contains(keyword.c_str())) return false;
-    const py::object value = keywords[keyword.c_str()];
-    return !value.is_none() && !value.is(py::bool_(false));
-  };
-  for (const auto& pair : optionsApart()) {
-    const std::string one = keywordOf(pair.one), other = keywordOf(pair.other);
-    if (given(one) && given(other))
-      throw py::type_error(fmt::format("{} and {} do not go together", one, other));
-  }
-  for (const auto& pair : optionNeeds()) {
-    const std::string one = keywordOf(pair.one), needed = keywordOf(pair.other);
-    if (given(one) && !given(needed))
-      throw py::type_error(fmt::format("{} requires {}", one, needed));
-  }
-}
-
-// The keyword of an option, or of a flag with the word that it stands for: "shade='off'".
-std::string keywordIn(std::string_view option) {
-  for (const OptionEntry& entry : optionTable())
-    for (size_t i = 0; i < entry.kind.flags.size(); ++i)
-      if (entry.kind.flags[i] == option)
-        return fmt::format("{}='{}'", keywordOf(entry), entry.kind.words[i]);
-  return keywordOf(option);
-}
-
-// The same for values, of which the message names options.
-void requireNoConflict(const ViewState& state) {
-  if (const auto conflict = conflictIn(state)) throw py::type_error(renamed(*conflict, keywordIn));
 }
 
 // The command line has a flag for the ramp over gradients and an option for where it ends; the

@@ -69,8 +69,10 @@ std::array<double, 2> windowOf(const Look& look, const ValueMap& map) {
   if (first != last) return {first, last};
   constexpr double kRounding = 1e-6;
   const ValueRange range = look.look_up->device_range;
-  const double entries = static_cast<double>(look.look_up->rgba.size() / 4) - 1;
-  const double entry = entries > 0 && range.hi > range.lo ? (range.hi - range.lo) / entries : 1;
+  const size_t entries = look.look_up->rgba.size() / 4;
+  const double entry = entries > 1 && range.hi > range.lo
+                           ? (range.hi - range.lo) / static_cast<double>(entries - 1)
+                           : 1;
   const double at = (last - range.lo) / entry;
   const bool ascends = map.scale > 0;
   const double end =

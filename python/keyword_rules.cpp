@@ -1,0 +1,45 @@
+#include "python/keyword_rules.h"
+
+#include <fmt/format.h>
+
+#include "src/base/field_names.h"
+#include "src/options/option_rules.h"
+#include "src/options/option_table.h"
+
+namespace sluice::python {
+namespace {
+
+// The keyword of an option, or of a flag with the word that it stands for: "shade='off'".
+std::string keywordIn(std::string_view option) {
+  for (const OptionEntry& entry : optionTable())
+    for (size_t i = 0; i < entry.kind.flags.size(); ++i)
+      if (entry.kind.flags[i] == option)
+        return fmt::format("{}='{}'", keywordOf(entry), entry.kind.words[i]);
+  return keywordOf(option);
+}
+
+}  // namespace
+
+void requirePairs(const py::kwargs& keywords) {
+  const auto given = [&](const std::string& keyword) {
+    if (!keywords.contains(keyword.c_str())) return false;
+    const py::object value = keywords[keyword.c_str()];
+    return !value.is_none() && !value.is(py::bool_(false));
+  };
+  for (const auto& pair : optionsApart()) {
+    const std::string one = keywordOf(pair.one), other = keywordOf(pair.other);
+    if (given(one) && given(other))
+      throw py::type_error(fmt::format("{} and {} do not go together", one, other));
+  }
+  for (const auto& pair : optionNeeds()) {
+    const std::string one = keywordOf(pair.one), needed = keywordOf(pair.other);
+    if (given(one) && !given(needed))
+      throw py::type_error(fmt::format("{} requires {}", one, needed));
+  }
+}
+
+void requireNoConflict(const ViewState& state) {
+  if (const auto conflict = conflictIn(state)) throw py::type_error(renamed(*conflict, keywordIn));
+}
+
+}  // namespace sluice::python

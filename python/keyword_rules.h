@@ -1,0 +1,33 @@
+// Names of keywords, and which keywords do not go together: the rules of the command line
+// (src/options/option_rules.h) in the words of Python.
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+#include <algorithm>
+#include <string>
+#include <string_view>
+
+#include "src/options/view_state.h"
+
+namespace sluice::python {
+
+namespace py = pybind11;
+
+inline std::string keywordOf(std::string_view option) {
+  std::string keyword(option.substr(option.find_first_not_of('-')));
+  std::replace(keyword.begin(), keyword.end(), '-', '_');
+  return keyword;
+}
+// Of an entry of the table of options.
+inline std::string keywordOf(const auto& entry) {
+  return keywordOf(entry.option.empty() ? entry.key : entry.option);
+}
+
+// Throws TypeError for two keywords that exclude each other, or one without another that it needs.
+void requirePairs(const py::kwargs& keywords);
+
+// Throws TypeError for a value that has no effect beside the others.
+void requireNoConflict(const ViewState& state);
+
+}  // namespace sluice::python
