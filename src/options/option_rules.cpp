@@ -111,9 +111,13 @@ std::optional<std::string> conflictIn(const ViewState& state) {
 
 ViewState withoutConflicts(ViewState state) {
   for (const ValueRule& rule : kValueRules)
-    if (const OptionEntry& entry = optionEntry(rule.option); isBroken(rule, state))
-      entry.set(state, nothingOf(entry));
+    if (isBroken(rule, state)) clearOption(rule.option, state);
   return state;
+}
+
+void clearOption(std::string_view option, ViewState& state) {
+  const OptionEntry& entry = optionEntry(option);
+  entry.set(state, nothingOf(entry));
 }
 
 PictureOptions pictureOf(const ViewState& state, int width, int height) {

@@ -28,6 +28,8 @@ std::optional<std::string> conflictIn(const ViewState& state);
 // The view without such values. The window keeps them for when the user switches back, and draws
 // and saves views without them.
 ViewState withoutConflicts(ViewState state);
+// Sets the value of an option that such a message may begin with to what asks for nothing.
+void clearOption(std::string_view option, ViewState& state);
 // The picture and the look of a view without such values, as a Renderer takes them.
 PictureOptions pictureOf(const ViewState& state, int width, int height);
 LookOptions lookOf(const ViewState& state);

@@ -91,6 +91,8 @@ TEST_F(SavedView, optionsThatItsVolumeCannotHaveAreTheFiles) {
               HasSubstr("sluice: grid.json: a.mhd: --grid x is for OpenVDB"));
   EXPECT_THAT(render("--state channel.json -o a.png").output,
               HasSubstr("sluice: channel.json: a.mhd: --channel 1 is for "));
+  write("skip.json", volume + R"("skip": 5}})");
+  EXPECT_THAT(render("--state skip.json -o a.png").output, HasSubstr("sluice: skip.json: a.mhd: "));
   // The user's own options are not the file's fault.
   EXPECT_THAT(render("--state grid.json --grid y -o a.png").output,
               HasSubstr("sluice: a.mhd: --grid y is for OpenVDB"));
@@ -124,6 +126,11 @@ TEST_F(SavedView, valuesWithoutEffectAreRefusedByTheirPlaces) {
   EXPECT_THAT(refusal(R"("shadows": 0.5)", "--no-shade"),
               HasSubstr("view.json: /shadows lights the picture; leave out --no-shade"));
   EXPECT_EQ(render(std::string(kStateVolume) + " --state view.json --mode mip --shadows=0 -o a.png")
+                .output,
+            "");
+  write("view.json", R"({"sluice": "view", "look": {"labels": true}})");
+  EXPECT_EQ(render(std::string(kStateVolume) +
+                   " --state view.json --mode mip --threshold 50 --force -o a.png")
                 .output,
             "");
 }

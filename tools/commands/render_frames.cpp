@@ -114,7 +114,12 @@ class Frames {
 
   // Tells the session and the series which frame comes, and which one next.
   void show(size_t at) {
-    look(job_, cameraOf(job_.cameras, job_.to_draw[at]), options_);
+    const Camera& camera = cameraOf(job_.cameras, job_.to_draw[at]);
+    // A turn keeps its distance, and with it the distance of samples.
+    if (arguments_.path_file.empty())
+      options_.camera = camera;
+    else
+      look(job_, camera, options_);
     scene_.setOptions(options_);
     if (!isSeries(arguments_)) return;
     // The next step's blocks would take the room of those that the next strip needs again.

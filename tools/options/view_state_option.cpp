@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <set>
 #include <string_view>
 #include <vector>
 
 #include "src/base/error.h"
+#include "src/options/option_rules.h"
 #include "src/view/state/printed_command.h"
 #include "src/view/state/view_check.h"
 #include "tools/command_line/interrupt.h"
@@ -73,6 +75,10 @@ StateFile without(const std::vector<const OptionEntry*>& given, StateFile file) 
 // Throws Error if the view with the user's options has a value without effect.
 void requireNoConflict(ViewState state, const std::string& file, const std::string& place,
                        const std::vector<const OptionEntry*>& given, const ViewState& asked) {
+  // Opacities that the user gave take the place of the file's labels.
+  const bool has_opacities = std::ranges::any_of(
+      given, [](const OptionEntry* of) { return std::ranges::count(kOpacities, of->option) > 0; });
+  if (has_opacities) clearOption("--labels", state);
   for (const OptionEntry* entry : given)
     if (const auto value = entry->get(asked)) entry->set(state, *value);
   requireNoConflict(state, file, [&](std::string_view option) {
@@ -100,9 +106,13 @@ void SavedView::requireFits(const VolumeInfo& volume) const {
 
 bool SavedView::isToBlame(const Error& error) const {
   const std::string_view message = error.what();
-  return file.state.time != 0 || std::ranges::any_of(volume_options, [&](const auto& option) {
-           return message.find(option + " ") != std::string_view::npos;
-         });
+  const auto isNamed = [&](const std::string& option) {
+    const size_t at = message.find(option), end = at + option.size();
+    if (at == std::string_view::npos) return false;
+    return end == message.size() ||
+           (message[end] != '-' && std::isalpha(static_cast<unsigned char>(message[end])) == 0);
+  };
+  return file.state.time != 0 || std::ranges::any_of(volume_options, isNamed);
 }
 
 SavedView applyState(CLI::App& app, const std::string& file, const ViewState& asked) {

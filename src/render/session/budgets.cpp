@@ -108,7 +108,10 @@ uint64_t leastMemoryBytes(const std::function<uint64_t(uint64_t memory_bytes)>& 
     refused = memory;
   }
   uint64_t enough = 2 * refused;
-  for (; needOf(enough) > enough; enough *= 2) refused = enough;
+  for (; needOf(enough) > enough; enough *= 2) {
+    if (enough > UINT64_MAX / 2) return enough;
+    refused = enough;
+  }
   while (enough - refused > 1) {
     const uint64_t middle = refused + (enough - refused) / 2;
     (needOf(middle) <= middle ? enough : refused) = middle;
