@@ -85,9 +85,19 @@ void Scene::openSession(const FrameOptions& frame, const MoreBytes& more_bytes) 
   } catch (const Error& error) {
     for (Layer* opened : layers()) opened->session.reset();  // none outlives the device
     const auto needOf = [&](uint64_t memory) { return needOfMemory(frame, more_bytes, memory); };
-    const bool is_short = dynamic_cast<const MemoryShortage*>(&error) != nullptr;
-    failOfShare(error, layers().size(),
-                is_short ? std::optional(leastMemoryBytes(needOf, memory_bytes)) : std::nullopt);
+    std::optional<uint64_t> least;
+    if (dynamic_cast<const MemoryShortage*>(&error) != nullptr)
+      least = leastMemoryBytes(needOf, memory_bytes);
+    // A rank's part of the picture, which is known when it is drawn, takes more.
+    if (least && share)
+      failMemory(
+          "--memory {} is too small: each rank needs more than {}{}; give more --memory or a "
+          "smaller --size",
+          formatBytes(memory_bytes), formatBytes(*least),
+          layers().size() > 1
+              ? fmt::format(", and {} channels share the memory evenly", layers().size())
+              : "");
+    failOfShare(error, layers().size(), least);
   }
 }
 
