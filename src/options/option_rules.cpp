@@ -67,9 +67,10 @@ constexpr std::array kValueRules = std::to_array<ValueRule>({
     {"--occlusion-light", isNotUnlit, kLights},
     {"--depth-cueing", hasColors, "needs --mode composite"},
     {"--jitter", hasColors, "needs --mode composite"},
-    {"--labels", hasColors, kMixed},
-    {"--labels-table", hasColors, kMixed},
+    // Both others make labels of the values.
     {"--label", hasColors, kMixed},
+    {"--labels-table", hasColors, kMixed},
+    {"--labels", hasColors, kMixed},
 });
 
 // The value that asks for nothing. Requires: the option takes a number, surfaces or labels.
