@@ -19,7 +19,7 @@ inline std::string keywordOf(std::string_view option) {
   std::replace(keyword.begin(), keyword.end(), '-', '_');
   return keyword;
 }
-// Of an entry of the table of options.
+// This takes an entry of the table of options.
 inline std::string keywordOf(const auto& entry) {
   return keywordOf(entry.option.empty() ? entry.key : entry.option);
 }

@@ -18,16 +18,16 @@ bool isText(DicomTag tag) {
 }
 
 bool isPrintable(std::string_view value) {
-  if (value.ends_with('\0')) value.remove_suffix(1);  // padding
+  while (value.ends_with('\0')) value.remove_suffix(1);  // padding
   return std::ranges::all_of(value, [](char c) { return c >= ' ' && c <= '~'; });
 }
 
 bool startsWithElements(std::string_view head) {
   constexpr uint64_t kAnyBytes = uint64_t{1} << 40;  // the file may go on behind the head
   const DicomInput input{"", kAnyBytes, [&](uint64_t at, std::span<std::byte> out) {
-                           const size_t got =
-                               std::min(out.size(), head.size() - std::min(at, head.size()));
-                           std::memcpy(out.data(), head.data() + at, got);
+                           const std::string_view rest = head.substr(std::min(at, head.size()));
+                           const size_t got = std::min(out.size(), rest.size());
+                           std::memcpy(out.data(), rest.data(), got);
                            return got;
                          }};
   DicomElements elements(input, 0, {});

@@ -28,7 +28,8 @@ FrameSetup setupSeen(Projection projection, double azimuth_deg, double elevation
                     OpacityTable(transfer, map, {0, 255}), map, options);
 }
 
-// Where a pixel's ray enters and leaves a box, in slices; the first is the greater if it does not.
+// The slices at which a pixel's ray enters and leaves a box. The first number is the greater one if
+// the ray misses the box.
 std::pair<double, double> wayThrough(const FrameSetup& setup, const Box3& cells, Vec3d pixel) {
   const RayGrid& rays = setup.rays;
   const Vec3d origin = rays.origin0 + rays.origin_dx * pixel.x + rays.origin_dy * pixel.y;

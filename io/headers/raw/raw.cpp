@@ -17,8 +17,7 @@ constexpr const char* kExampleName = "head_256x256x225_uint8.raw";
 std::string nameAdvice() {
   return fmt::format(
       "--dims, --type and --skip describe the first volume; put size and type into the name of "
-      "this "
-      "one, such as {}, or give it a header",
+      "this one, such as {}, or give it a header",
       kExampleName);
 }
 

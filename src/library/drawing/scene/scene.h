@@ -8,8 +8,8 @@
 // share out the blocks of each layer and compose each layer's picture, and rank 0 adds these. Of
 // layers that are blended, a rank has the same blocks, and the blended picture is composed.
 //
-// What a scene is made of lies beside it: the look (chosen_look.h), the device (device_choice.h),
-// the memory (resources.h), the layers' shares (channel_shares.h) and the place of a second volume
+// The parts of a scene lie beside it: the look (chosen_look.h), the device (device_choice.h), the
+// memory (resources.h), the layers' shares (channel_shares.h) and the place of a second volume
 // (shared_world.h).
 //
 // Used on one thread, the device's; workers of the pool run inside the calls.
