@@ -79,16 +79,18 @@ class HeaderReader {
 
   // The elements in front of the data set, which say how it is encoded.
   void readMeta() {
-    std::string head(kDicomPreambleBytes + 4, '\0');
+    constexpr size_t kLookedAtBytes = 4096;  // as much as when the file's format was found
+    constexpr std::string_view kMark = "DICM";
+    std::string head(kLookedAtBytes, '\0');
     head.resize(input_.readSome(0, std::as_writable_bytes(std::span(head))));
     if (!looksLikeDicom(head))
       fail(
           "{}: expected a DICOM file, found neither DICM at byte {} nor a data element at the "
           "start",
           input_.path, kDicomPreambleBytes);
-    const bool has_preamble =
-        head.size() > kDicomPreambleBytes && head.substr(kDicomPreambleBytes) == "DICM";
-    elements_.moveTo(has_preamble ? head.size() : 0);
+    const bool has_preamble = head.size() > kDicomPreambleBytes &&
+                              head.compare(kDicomPreambleBytes, kMark.size(), kMark) == 0;
+    elements_.moveTo(has_preamble ? kDicomPreambleBytes + kMark.size() : 0);
     while (nextIsMeta()) {
       const auto e = elements_.next(input_.bytes);
       if (!e) break;
