@@ -348,7 +348,7 @@ FrameOptions frameOptions(const PictureOptions& picture, const VolumeLayout& lay
   options.size = {picture.width, picture.height};
   options.mode = mode;
   setDrawing(picture, options);
-  resolve(options.camera, layout, options.size, options.step_vox);  // throws
+  resolve(options, layout);  // throws
   requireStep(picture.time, layout);
   options.cut = askedCut(picture);
   if (picture.crop) options.crop = cropOf(*picture.crop, layout.dims);

@@ -184,8 +184,8 @@ FrameSetup setupOf(const VolumeLayout& layout, const FrameOptions& options,
                    const std::vector<OpacityPoint>& opacities) {
   const ValueMap map = deviceMap(layout);
   const TransferFunction transfer{{{0, {0.2, 0.3, 0.9}}, {255, {1, 0.6, 0.1}}}, opacities, "t"};
-  return frameSetup(resolve(options.camera, layout, options.size, options.step_vox), layout,
-                    OpacityTable(transfer, map, {0, 255}), map, options);
+  return frameSetup(resolve(options, layout), layout, OpacityTable(transfer, map, {0, 255}), map,
+                    options);
 }
 
 TEST(LeapGridTest, leapingLeavesOutSamplesAndNothingOfThePicture) {

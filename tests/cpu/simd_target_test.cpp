@@ -77,8 +77,8 @@ FrameSetup setupOf(DeviceType type, Projection projection, Mode mode) {
   const TransferFunction transfer{
       {{0, {0.2, 0.3, 0.9}}, {255, {1, 0.6, 0.1}}}, {{0, 0}, {40, 0}, {200, 0.2}, {255, 0.3}}, "t"};
   const ValueMap map = deviceMap(layout);
-  FrameSetup setup = frameSetup(resolve(options.camera, layout, options.size, options.step_vox),
-                                layout, OpacityTable(transfer, map, {0, 255}), map, options);
+  FrameSetup setup = frameSetup(resolve(options, layout), layout,
+                                OpacityTable(transfer, map, {0, 255}), map, options);
   setup.type = type;
   return setup;
 }

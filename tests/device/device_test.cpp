@@ -36,7 +36,7 @@ class DeviceTest : public testing::Test {
     VolumeLayout layout;
     layout.dims = kDims;
     options.size = {161, 161};
-    View view = resolve(options.camera, layout, options.size, options.step_vox);
+    View view = resolve(options, layout);
     view.half_height = 8.05;
     view.eye = {3.5, 3.5, 20};
     view.first_depth = 13;

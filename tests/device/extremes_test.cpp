@@ -43,8 +43,8 @@ FrameSetup setupOf(const FrameOptions& options) {
   layout.type = VoxelType::kF32;
   const ValueMap map = deviceMap(layout);
   const TransferFunction grey{{{0, {0, 0, 0}}, {255, {1, 1, 1}}}, {{0, 1}}, "grey"};
-  return frameSetup(resolve(options.camera, layout, options.size, options.step_vox), layout,
-                    OpacityTable(grey, map, {0, 255}), map, options);
+  return frameSetup(resolve(options, layout), layout, OpacityTable(grey, map, {0, 255}), map,
+                    options);
 }
 
 // Views from which many rays enter or leave through side faces.

@@ -90,8 +90,8 @@ FrameSetup setupOf(const Seen& seen, DeviceType type) {
                             "t"};
   transfer.labels = true;
   const ValueMap map = deviceMap(layout);
-  FrameSetup setup = frameSetup(resolve(options.camera, layout, options.size, options.step_vox),
-                                layout, OpacityTable(transfer, map, kRange), map, options);
+  FrameSetup setup = frameSetup(resolve(options, layout), layout,
+                                OpacityTable(transfer, map, kRange), map, options);
   setup.type = type;
   setup.lit = seen.lit;
   return setup;
@@ -227,8 +227,8 @@ Picture ballPicture(Device& device, int64_t factor, double opacity) {
       {{0, {1, 1, 1}}, {9, {1, 1, 1}}}, {{0, 0}, {1, opacity}, {9, opacity}}, "t"};
   transfer.labels = true;
   const ValueMap map = deviceMap(layout);
-  FrameSetup setup = frameSetup(resolve(options.camera, layout, options.size, options.step_vox),
-                                layout, OpacityTable(transfer, map, kRange), map, options);
+  FrameSetup setup = frameSetup(resolve(options, layout), layout,
+                                OpacityTable(transfer, map, kRange), map, options);
   setup.type = DeviceType::kF32;
   const int64_t side = Ball::kSide / factor;
   std::vector<float> numbers;

@@ -86,8 +86,8 @@ FrameSetup setupOf(const Seen& seen, DeviceType type) {
                             "t"};
   if (seen.with_gradients) transfer.gradients = {{5, {{0, 0.2}}}, {60, {{0, 1}}}};
   const ValueMap map = deviceMap(layout);
-  FrameSetup setup = frameSetup(resolve(options.camera, layout, options.size, options.step_vox),
-                                layout, OpacityTable(transfer, map, kRange), map, options);
+  FrameSetup setup = frameSetup(resolve(options, layout), layout,
+                                OpacityTable(transfer, map, kRange), map, options);
   setup.type = type;
   setup.lit = seen.lit;
   setup.window = {0, 255};

@@ -102,8 +102,8 @@ FrameSetup setupOf(const Seen& seen, DeviceType type, const Vec3d& spacing = {1,
       {{0, {0.1, 0.3, 0.9}}, {255, {1, 0.6, 0.1}}}, {{0, 0.01}, {255, 0.12}}, "t"};
   if (seen.with_gradients) transfer.gradients = {{0.5, {{0, 0.2}}}, {6, {{0, 1}}}};
   const ValueMap map = deviceMap(layout);
-  FrameSetup setup = frameSetup(resolve(options.camera, layout, options.size, options.step_vox),
-                                layout, OpacityTable(transfer, map, {0, 255}), map, options);
+  FrameSetup setup = frameSetup(resolve(options, layout), layout,
+                                OpacityTable(transfer, map, {0, 255}), map, options);
   setup.type = type;
   setup.lit = seen.lit;
   setup.window = {0, 255};

@@ -124,8 +124,8 @@ TEST(DeepBoxes, ofLabelsAreDrawnToTheirFarEnd) {
                             "t"};
   transfer.labels = true;
   const ValueMap map = deviceMap(layout);
-  FrameSetup setup = frameSetup(resolve(options.camera, layout, options.size, options.step_vox),
-                                layout, OpacityTable(transfer, map, {0, 12}), map, options);
+  FrameSetup setup = frameSetup(resolve(options, layout), layout,
+                                OpacityTable(transfer, map, {0, 12}), map, options);
   setup.lit = true;
   BoxDraw box;
   box.chunk = 1;

@@ -141,7 +141,7 @@ TEST(Dealing, handsOfALayerShareNoRayAndLaterLayersLieBehind) {
     const BlockLayout layout = blockLayout(volume.dims, view_at % 2 == 0 ? 8 : 16, 0);
     const Dealing dealing = dealBlocks(layout, 1 + static_cast<int>(random() % 4));
     const FrameOptions options = randomView(random, volume);
-    const View view = resolve(options.camera, volume, options.size, options.step_vox);
+    const View view = resolve(options, volume);
     const FrameSetup setup = viewSetup(view, volume, {});
     const DealingLayers layers(dealing, setup);
     for (int i = 0; i < 60; ++i) {

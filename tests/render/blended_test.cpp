@@ -99,8 +99,7 @@ TEST(Blended, stopsAtOnceAndDrawsTheNextFrame) {
   EXPECT_THROW(scene.draw(reports), std::runtime_error);
   options.watch = {};
   scene.setOptions(options);
-  const View view =
-      resolve(options.camera, channels.front().source->layout(), options.size, options.step_vox);
+  const View view = resolve(options, channels.front().source->layout());
   EXPECT_TRUE(within(1, scene.draw(reports), plainlyBlended(channels, view)));
 }
 

@@ -26,9 +26,7 @@ struct CullingScene {
         step{&source, time, ranges},
         look(std::make_shared<const Look>(makeLook(step, transfer, Mode::kComposite))) {}
 
-  View view(const FrameOptions& options) const {
-    return resolve(options.camera, source.layout(), options.size, options.step_vox);
-  }
+  View view(const FrameOptions& options) const { return resolve(options, source.layout()); }
   BlockQuestion question(const FrameOptions& options) const {
     return {step, look, cropCells(options, source.layout().dims), view(options)};
   }

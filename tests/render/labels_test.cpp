@@ -78,7 +78,7 @@ TEST_F(LabelsTest, labelsOfABallAreLitLikeASphere) {
   FrameOptions options = obliqueView(Projection::kOrtho, {96, 96});
   options.step_vox = 0.25;
   const FloatPicture drawn = scene.draw(options);
-  const View view = resolve(options.camera, source->layout(), options.size, options.step_vox);
+  const View view = resolve(options, source->layout());
   const Vec3d center = worldFromIndex(source->layout(), {kMiddle, kMiddle, kMiddle});
   double sum = 0;
   int pixels = 0;

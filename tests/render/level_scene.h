@@ -66,7 +66,7 @@ class LevelCutTest : public RenderTest {
     return planner.visibleBlocks(pyramid.step, look, viewOf(pyramid, options), options, limit);
   }
   static View viewOf(const Pyramid& pyramid, const FrameOptions& options) {
-    return resolve(options.camera, pyramid.source.layout(), options.size, options.step_vox);
+    return resolve(options, pyramid.source.layout());
   }
   static std::unique_ptr<Session> sessionOf(Pyramid& pyramid, const TransferFunction& transfer,
                                             bool lit = false) {

@@ -133,8 +133,7 @@ FloatPicture RenderScene::reference(const FrameOptions& options) const {
   };
   scene.opacity_threshold = rayThreshold(options);
   scene.rounding = roundingOf({transfer_, ranges_->map, ranges_->device_range}, ranges_->map);
-  return renderReference(
-      source_, resolve(options.camera, source_.layout(), options.size, options.step_vox), scene);
+  return renderReference(source_, resolve(options, source_.layout()), scene);
 }
 
 void RenderScene::setTransfer(TransferFunction transfer) {

@@ -19,7 +19,7 @@ struct Counted {
 
 // `box`: cells.
 Counted samplesIn(const VolumeLayout& layout, const FrameOptions& options, const Box3& box) {
-  const View view = resolve(options.camera, layout, options.size, options.step_vox);
+  const View view = resolve(options, layout);
   const bool ortho = view.projection == Projection::kOrtho;
   const double aspect = static_cast<double>(view.size.width) / view.size.height;
   const double reach = 4 * length(toDouble(layout.dims) * layout.spacing);

@@ -83,7 +83,7 @@ TEST_F(SessionTest, recordedRequestsAreThoseOfThePlanAndSimulateToTheSameBytes) 
           planTextures(ranges.layout, classify(ranges, table, cells, pool), scene.session().page(),
                        {algorithm, options.merge_order, 0, cells});
       ChunkNames names;
-      const View view = resolve(options.camera, source->layout(), options.size, options.step_vox);
+      const View view = resolve(options, source->layout());
       for (const TraceRecord& record :
            frameRequests(plan, names.namesOf(plan), eyePosition(view, source->layout()), frame))
         expected.push_back(record);

@@ -37,9 +37,8 @@ class SurfacesTest : public RightPictureTest {
                           const FrameOptions& options, bool lit) {
     // The lengths between samples that a frame with surfaces has.
     FrameOptions of_reference = options;
-    of_reference.step_vox = Planner::stepForSurfaces(
-        resolve(options.camera, source.layout(), options.size, options.step_vox), source.layout(),
-        options.step_vox);
+    of_reference.step_vox = Planner::stepForSurfaces(resolve(options, source.layout()),
+                                                     source.layout(), options.step_vox);
     RightPictureTest::expectRightPicture(source, transfer, options, of_reference, lit);
   }
 };

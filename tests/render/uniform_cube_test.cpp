@@ -74,8 +74,7 @@ class UniformCubeTest : public RenderTest {
     EXPECT_TRUE(within(1, pictures[0], pictures[2]));
     if (!lit)
       for (const FloatPicture& picture : pictures)
-        expectAnalyticOpacity(
-            picture, resolve(options.camera, source->layout(), options.size, options.step_vox));
+        expectAnalyticOpacity(picture, resolve(options, source->layout()));
   }
 };
 

@@ -54,8 +54,7 @@ struct Opened {
   }
   const VolumeLayout& layout() const { return volume.source->layout(); }
   BlockQuestion question(const FrameOptions& frame, size_t step) const {
-    return {steps[step], shown, cropCells(frame, layout().dims),
-            resolve(frame.camera, layout(), frame.size, frame.step_vox)};
+    return {steps[step], shown, cropCells(frame, layout().dims), resolve(frame, layout())};
   }
 
   Workers pool;
@@ -83,7 +82,7 @@ std::vector<std::byte> wholeStep(const Opened& opened, int64_t time) {
 // Non-empty blocks that early ray termination sees.
 int64_t optimumOf(Opened& opened, const CullingBench& bench, const FrameOptions& frame,
                   const std::vector<std::byte>& voxels, size_t step) {
-  const View view = resolve(frame.camera, opened.layout(), frame.size, frame.step_vox);
+  const View view = resolve(frame, opened.layout());
   const std::vector<bool> reached =
       reachedByRays({opened.layout().dims, opened.volume.map.type, voxels},
                     opened.volume.layout.cells(), opened.shown->table,

@@ -169,7 +169,7 @@ class CutRun {
   void plan(double azimuth_deg, double zoom, Plans& into) {
     options_.camera.azimuth_deg = azimuth_deg;
     options_.camera.zoom = zoom;
-    const View view = resolve(options_.camera, source_.layout(), options_.size, options_.step_vox);
+    const View view = resolve(options_, source_.layout());
     const LookPtr look = planner_.look(step_, transfer_, options_.mode);
     const double processor_before = processorSeconds();
     const Stopwatch watch;

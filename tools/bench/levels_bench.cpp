@@ -33,7 +33,7 @@ FrameOptions optionsOf(const LevelsArguments& bench, const Scene& scene,
   const TimeStep step = scene.volume.step();
   if (!bench.has_step) options.step_vox = scene.chosenStep(step, options);
   if (!cut || !bench.has_step) return options;
-  const View view = resolve(options.camera, step.source->layout(), options.size, options.step_vox);
+  const View view = resolve(options, step.source->layout());
   options.step_vox *= spacingOfLevel(step, finestLevelShown(step, view, *cut));
   return options;
 }

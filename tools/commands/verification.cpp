@@ -106,7 +106,7 @@ double finestStep(const std::vector<IndexedVolume>& volumes, const FrameOptions&
   for (const IndexedVolume& volume : volumes) {
     const VolumeLayout& layout = volume.source->layout();
     const FrameOptions own = frameOn(layout, first, options);
-    const View view = resolve(own.camera, layout, own.size, own.step_vox);
+    const View view = resolve(own, layout);
     least = std::min(least, stepOn(first, layout, stepFor(view, layout)));
   }
   return least;

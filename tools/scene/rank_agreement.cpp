@@ -75,7 +75,7 @@ void addCuts(const Scene& scene, const Layer& layer, std::span<const Camera> cam
   for (const Camera& camera : cameras) {
     options.camera = camera;
     const FrameOptions own = scene.optionsOf(layer, options);
-    const View view = resolve(own.camera, step.source->layout(), own.size, own.step_vox);
+    const View view = resolve(own, step.source->layout());
     for (const ObjectBlock& block : planner.visibleBlocks(step, look, view, own)->blocks) {
       digest.add(block.name.level);
       digest.add(block.name.block);

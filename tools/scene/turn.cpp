@@ -116,8 +116,7 @@ class TurnedChannels {
     return frameOfChannel(looks_[channel], looks_, arguments_.look.combine, frameAt(frame));
   }
   View viewOf(size_t channel, const FrameOptions& options) const {
-    return resolve(options.camera, volume(channel).source->layout(), options.size,
-                   options.step_vox);
+    return resolve(options, volume(channel).source->layout());
   }
   EyePosition eyeOf(size_t channel, const FrameOptions& options) const {
     return eyePosition(viewOf(channel, options), volume(channel).source->layout());

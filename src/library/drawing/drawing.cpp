@@ -147,9 +147,7 @@ Drawing::ReadyFrame Drawing::ready(const PictureOptions& picture, const IndexPas
   const std::vector<TimeStep> steps = stepsAt(picture.time, pass);
   if (opened_->in_situ != nullptr) expectSameRequest(picture);
   FrameOptions options = looked(picture, steps.front(), pass);
-  if (opened_->in_situ != nullptr)
-    expectSamePicture(picture, options,
-                      resolve(options.camera, layout(), options.size, options.step_vox));
+  if (opened_->in_situ != nullptr) expectSamePicture(picture, options, resolve(options, layout()));
   if (opened_->in_situ != nullptr && opened_->in_situ->team().ranks() > 1 &&
       options.lighting.looksAround())
     failRequest(

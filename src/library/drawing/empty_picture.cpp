@@ -82,7 +82,7 @@ std::string whyEmpty(const DrawnPicture& drawn, const IndexPass& pass) {
   VisibleHull hull(layout);
   hull.add(cells);
   const std::vector<Vec3d> points = hull.points();
-  if (isBesidePicture(points, resolve(options.camera, layout, options.size, options.step_vox)))
+  if (isBesidePicture(points, resolve(options, layout)))
     return "the camera looks past the visible part of the volume";
   for (const WorldPlane& plane : options.clip_planes) {
     if (!isClipped(points, plane)) continue;

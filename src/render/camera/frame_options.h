@@ -94,6 +94,11 @@ struct FrameOptions {
   bool counts_leaps = false;
 };
 
+// The view of a frame of this volume. Throws as resolve() of a camera does.
+inline View resolve(const FrameOptions& options, const VolumeLayout& volume) {
+  return resolve(options.camera, volume, options.size, options.step_vox);
+}
+
 // The opacity from which on boxes behind are hidden, rays end and pixels take no more samples: the
 // paper's ESS+M and ESS+C take all samples of the boxes that they draw.
 inline double hidingThreshold(const FrameOptions& options) {

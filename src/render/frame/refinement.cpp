@@ -121,7 +121,7 @@ void Refinement::choose(Planned& planned) {
     if (!layer.has_cut) continue;
     const FrameOptions& options = planned.parts[i].options;
     const VolumeLayout& layout = layer.of.step.source->layout();
-    const View view = resolve(options.camera, layout, options.size, options.step_vox);
+    const View view = resolve(options, layout);
     questions.push_back(
         {layer.of.step, layer.look, cropCells(options, layout.dims), view, options.cut});
     cuts.push_back(&layer.chooser);

@@ -162,7 +162,7 @@ Frame blendedFrame(const Session::Parts& made, Device& device, std::vector<Frame
   const Session::Part& first = parts.front();
   const FrameOptions& options = first.options;
   const VolumeLayout& volume = first.step.source->layout();
-  const View view = resolve(options.camera, volume, options.size, options.step_vox);
+  const View view = resolve(options, volume);
   const TexturePlan& all = *made.all;
   const DrawOrder order = makeDrawOrder(all, eyePosition(view, volume), Arrangement::kRows);
   const FrameSetup setup = setupOf(parts, view);

@@ -98,7 +98,7 @@ FramePlanPtr Planner::plan(const TimeStep& step, const VisibleBlocksPtr& visible
 
 FramePlanPtr Planner::planFor(const TimeStep& step, const TransferPtr& transfer,
                               const FrameOptions& options) {
-  const View view = resolve(options.camera, step.source->layout(), options.size, options.step_vox);
+  const View view = resolve(options, step.source->layout());
   const LookPtr shown = look(step, transfer, options.mode);
   return plan(step, visibleBlocks(step, shown, view, options), options);
 }

@@ -98,8 +98,7 @@ std::optional<FrameReport> Session::withoutBlocks() {
   const Stopwatch watch;
   takeLearntRanges();
   const LookPtr look = planner_.look(step_, transfer_, options_.mode);
-  const View view =
-      resolve(options_.camera, step_.source->layout(), options_.size, options_.step_vox);
+  const View view = resolve(options_, step_.source->layout());
   const VisibleBlocksPtr visible = planner_.visibleBlocks(step_, look, view, options_);
   if (!visible->blocks.empty()) return std::nullopt;
   visible_ = visible;
@@ -110,7 +109,7 @@ std::optional<FrameReport> Session::withoutBlocks() {
 
 void Session::readAfterwards(const TimeStep& next) {
   const VolumeLayout& volume = next.source->layout();
-  const View view = resolve(options_.camera, volume, options_.size, options_.step_vox);
+  const View view = resolve(options_, volume);
   // The planner keeps these for the frame that will ask for the same.
   const LookPtr look = planner_.look(next, transfer_, options_.mode);
   const VisibleBlocksPtr visible = planner_.visibleBlocks(next, look, view, options_);
@@ -142,7 +141,7 @@ double Session::stepForCut(const VisibleBlocks& visible, const FrameOptions& opt
   if (!options.step_follows_cut || !visible.cut || !visible.cut->will_improve ||
       visible.cut->levels.empty())
     return options.step_vox;
-  const View view = resolve(options.camera, step_.source->layout(), options.size, options.step_vox);
+  const View view = resolve(options, step_.source->layout());
   const int wanted = finestLevelShown(step_, view, *options.cut);
   const int shown = std::max(wanted, visible.cut->levels.front().level);
   return options.step_vox * spacingOfLevel(step_, shown) / spacingOfLevel(step_, wanted);

@@ -27,8 +27,7 @@ Session::Parts Session::parts(std::span<Session* const> sessions) {
     const LookPtr look = session.planner_.look(step, session.transfer_, options.mode);
     limits[i] = session.readLimit(look);
     if (limits[i]) options.time_limit_s.reset();  // all blocks of the cut come in time
-    const View view =
-        resolve(options.camera, step.source->layout(), options.size, options.step_vox);
+    const View view = resolve(options, step.source->layout());
     planners.push_back(&session.planner_);
     questions.push_back(
         Planner::question(step, look, view, options, limits[i] ? &*limits[i] : nullptr));

@@ -31,7 +31,7 @@ PlanOptions planOptions(const PlannedBlocks& planned, const FrameOptions& frame,
 PlannedBlocks withLook(const PlannedPart& part, Planner& planner) {
   const FrameOptions& frame = part.frame;
   PlannedBlocks planned{.step = part.step, .look = {}, .blocks = {}, .view = {}};
-  planned.view = resolve(frame.camera, part.volume.source->layout(), frame.size, frame.step_vox);
+  planned.view = resolve(frame, part.volume.source->layout());
   planned.look =
       planner.look(part.step, std::make_shared<const TransferFunction>(part.transfer), frame.mode);
   return planned;

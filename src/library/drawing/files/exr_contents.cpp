@@ -56,7 +56,7 @@ ExrContents exrContents(const Picture& picture,
                         const DrawnOf& of) {
   const VolumeLayout& layout = of.source.layout();
   const FrameOptions& options = of.options;
-  const View view = resolve(options.camera, layout, options.size, options.step_vox);
+  const View view = resolve(options, layout);
   ExrContents exr = exrRows(picture, background, with_opacity);
   const std::string unit = layout.unit.empty() ? "unknown" : layout.unit;
   exr.attributes = {{"camera", cameraText(options, view, layout)},

@@ -48,12 +48,12 @@ double chosenStepOf(const Scene& scene, const Layer& layer, const TimeStep& step
 double Scene::chosenStep(const TimeStep& step, const FrameOptions& options) const {
   if (!traitsOf(options.mode).has_colors) return options.step_vox;
   const VolumeLayout& first = volume.source->layout();
-  const View view = resolve(options.camera, first, options.size, options.step_vox);
+  const View view = resolve(options, first);
   double least = chosenStepOf(*this, *this, step, view, optionsOf(*this, options));
   for (const auto& layer : more) {
     const VolumeLayout& layout = layer->volume.source->layout();
     const FrameOptions own = optionsOf(*layer, options);
-    const View own_view = resolve(own.camera, layout, own.size, own.step_vox);
+    const View own_view = resolve(own, layout);
     const double own_step = chosenStepOf(*this, *layer, layer->volume.step(), own_view, own);
     least = std::min(least, stepOn(first, layout, own_step));
   }

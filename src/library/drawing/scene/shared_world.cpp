@@ -139,7 +139,7 @@ FrameOptions frameOn(const VolumeLayout& to, const VolumeLayout& from, const Fra
   own.crop = cropOn(to, from, frame.crop);
   if (own.cut) own.cut->level.reset();
   if (colorsByDepth(frame)) {
-    const View view = resolve(frame.camera, from, frame.size, frame.step_vox);
+    const View view = resolve(frame, from);
     const auto [near, far] = shownDepths(view, from, frame);
     const double units = worldScale(from, to);
     own.shown_depths = std::array{near * units, far * units};
