@@ -1,4 +1,5 @@
-// A frame, from the time step to the picture.
+// A frame, from the time step to the picture: Session::frame() at the end is the chain, and the
+// functions before it are its links, in their order.
 #include <functional>
 #include <utility>
 
@@ -22,28 +23,13 @@ Arrangement arrangementOf(const FramePlan& plan, const FrameOptions& options,
 
 }  // namespace
 
-Frame Session::frame() {
-  SLUICE_CHECK(transfer_ != nullptr);
-  // Applies to this frame alone, whether it is drawn or throws.
-  const std::optional<TimeStep> afterwards = std::exchange(afterwards_, std::nullopt);
-  const auto asked_at = std::chrono::steady_clock::now();
-  const Stopwatch watch;
-  Stopwatch stage;
-  takeLearntRanges();
-  const VolumeLayout& volume = step_.source->layout();
-  FrameOptions options = options_;
-  const auto viewNow = [&] {
-    return resolve(options.camera, volume, options.size, options.step_vox);
-  };
-
-  const LookPtr look = planner_.look(step_, transfer_, options.mode);
+VisibleBlocksPtr Session::blocksOf(const LookPtr& look, FrameOptions& options, ReadTally& judged) {
   const std::optional<ReadLimit> limit = readLimit(look);
   if (limit) options.time_limit_s.reset();  // all blocks of the cut come in time
   const bool judges_surfaces = judgesSurfaces(look, options);
-  ReadTally judged;
   std::function<bool(const ObjectBlock&)> loses_surface;
   if (judges_surfaces) {
-    lost_->ask(step_, look, cropCells(options, volume.dims));
+    lost_->ask(step_, look, cropCells(options, step_.source->layout().dims));
     // With a limit the next picture refines more.
     if (options.cut->keeps_thin && !limit)
       loses_surface = [&](const ObjectBlock& block) {
@@ -53,84 +39,126 @@ Frame Session::frame() {
   } else {
     lost_->askNothing();
   }
-  const VisibleBlocksPtr visible = planner_.visibleBlocks(step_, look, viewNow(), options,
-                                                          limit ? &*limit : nullptr, loses_surface);
+  const View view = resolve(options, step_.source->layout());
+  const VisibleBlocksPtr visible =
+      planner_.visibleBlocks(step_, look, view, options, limit ? &*limit : nullptr, loses_surface);
   if (judges_surfaces) lost_->expect(visible);
-  options.step_vox = stepForCut(*visible, options);
-  const std::optional<KeptRay> kept_ray =
+  return visible;
+}
+
+PixelRays Session::setSampling(const LookPtr& look, const VisibleBlocks& visible,
+                               FrameOptions& options) const {
+  const VolumeLayout& volume = step_.source->layout();
+  options.step_vox = stepForCut(visible, options);
+  PixelRays rays;
+  const std::optional<KeptRay> kept =
       keptRay(*look->look_up, deviceMode(options.mode, step_.ranges->map.scale));
-  const int rays = kept_ray && planner_.makesCut(step_, look, options)
-                       ? raysASide(step_, *visible, viewNow(), options)
-                       : 1;
+  if (kept && planner_.makesCut(step_, look, options))
+    rays = {raysASide(step_, visible, resolve(options, volume), options), *kept};
   // Slices are no farther apart than rays.
-  if (rays > 1 && !traitsOf(options.mode).on_planes) options.step_vox /= 2;
-  const bool has_surfaces = Planner::drawsSurfaces(step_, *look, options);
-  if (has_surfaces)
+  if (rays.a_side > 1 && !traitsOf(options.mode).on_planes) options.step_vox /= 2;
+  if (Planner::drawsSurfaces(step_, *look, options))
     options.step_vox =
-        Planner::stepForSurfaces(viewNow(), volume, options.step_vox,
-                                 step_.layout().level(finestLevelDrawn(*visible)).placement.scale);
-  const View view = viewNow();
-  const double classify_s = stage.lap();
-  visible_ = visible;
-  const FramePlanPtr plan = planner_.plan(step_, visible, options);
-  const double plan_s = stage.lap();
-  const DrawOrderPtr order = planner_.order(plan, eyePosition(view, volume),
-                                            arrangementOf(*plan, options, residency_.cache()));
+        Planner::stepForSurfaces(resolve(options, volume), volume, options.step_vox,
+                                 step_.layout().level(finestLevelDrawn(visible)).placement.scale);
+  return rays;
+}
+
+FrameSetup Session::setupOf(const LookPtr& look, const VisibleBlocks& visible, const View& view,
+                            const FrameOptions& options) {
+  const VolumeLayout& volume = step_.source->layout();
   FrameSetup setup =
       frameSetup(view, volume, *look, step_.ranges->map, options, session_.lit && options.shades);
-  setup.has_surfaces = has_surfaces;
-  stage.lap();
+  setup.has_surfaces = Planner::drawsSurfaces(step_, *look, options);
+  setup.integrates = Planner::integrates(step_, *look, view, options);
   if (setup.lit && traitsOf(options.mode).has_colors)
     setup.light = light_.of(
         step_, look,
-        lightsFromFinest(*visible, options_, volume) ? MatterFrom::kFinest : MatterFrom::kLevels,
+        lightsFromFinest(visible, options_, volume) ? MatterFrom::kFinest : MatterFrom::kLevels,
         view, options, pool_);
-  const double light_s = stage.lap();
-  setup.integrates = Planner::integrates(step_, *look, view, options);
+  return setup;
+}
+
+Frame Session::drawRays(const FrameValues& values, const PixelRays& rays) {
+  Frame frame;
+  const int count = rays.a_side * rays.a_side;
+  for (int ray = 0; ray < count; ++ray) {
+    FrameValues of_ray = values;
+    if (count > 1)
+      of_ray.setup.rays =
+          raysOfPixel(values.setup.rays, ray % rays.a_side, ray / rays.a_side, rays.a_side);
+    // The other rays need the same data, so what the next frame needs is read during the last one.
+    if (ray + 1 < count) of_ray.when_read = {};
+    FrameRun run(std::move(of_ray), residency_, device_, trace_, frame_number_, lessons_);
+    Picture picture = run.draw();
+    if (values.options.count_samples) run.countSamples();
+    frame.phases = run.drawPhases();
+    if (ray == 0) {
+      frame.picture = std::move(picture);
+      frame.report = run.report();
+    } else {
+      keepMost(frame.picture, picture, rays.kept);
+      addStrip(frame.report, run.report());
+    }
+    lessons_ = run.lessons();
+  }
+  if (count > 1) frame.report.rays = rays;
+  if (values.setup.light != nullptr) frame.report.light_texels = values.setup.light->dims;
+  return frame;
+}
+
+Frame Session::frame() {
+  SLUICE_CHECK(transfer_ != nullptr);
+  // Applies to this frame alone, whether it is drawn or throws.
+  const std::optional<TimeStep> afterwards = std::exchange(afterwards_, std::nullopt);
+  const auto asked_at = std::chrono::steady_clock::now();
+  const Stopwatch watch;
+  Stopwatch stage;
+  StageSeconds stages;
+  takeLearntRanges();
+  FrameOptions options = options_;
+
+  const LookPtr look = planner_.look(step_, transfer_, options.mode);
+  ReadTally judged;
+  const VisibleBlocksPtr visible = blocksOf(look, options, judged);
+  visible_ = visible;
+  const PixelRays rays = setSampling(look, *visible, options);
+  const View view = resolve(options, step_.source->layout());
+  stages.classify = stage.lap();
+  const FramePlanPtr plan = planner_.plan(step_, visible, options);
+  stages.plan = stage.lap();
+  const DrawOrderPtr order = planner_.order(plan, eyePosition(view, step_.source->layout()),
+                                            arrangementOf(*plan, options, residency_.cache()));
+  stage.lap();
+  FrameSetup setup = setupOf(look, *visible, view, options);
+  stages.light = stage.lap();
 
   lessons_.unfinished.reset();  // this frame requests again what it needs of it
   read_afterwards_.reset();     // and of the data that was read ahead for it
   residency_.forgetUnused(*plan);
-  Frame frame;
-  for (int ray = 0; ray < rays * rays; ++ray) {
-    FrameSetup of_ray = setup;
-    if (rays > 1) of_ray.rays = raysOfPixel(setup.rays, ray % rays, ray / rays, rays);
-    // Growing boxes know nothing of the cells around them.
-    const bool looks_around = setup.integrates || has_surfaces;
-    const ChosenBoxesPtr boxes = looks_around ? nullptr : boxesOf(look, plan);
-    FrameRun run({step_, look, visible, plan, order, boxes, std::move(of_ray), options, asked_at,
-                  [this, &afterwards, is_last = ray + 1 == rays * rays] {
-                    if (is_last && afterwards) readAfterwards(*afterwards);
-                  }},
-                 residency_, device_, trace_, frame_number_, lessons_);
-    Picture picture = run.draw();
-    if (ray == 0)
-      frame.picture = std::move(picture);
-    else
-      keepMost(frame.picture, picture, *kept_ray);
-    if (options.count_samples) run.countSamples();
-    frame.phases = run.drawPhases();
-    if (ray == 0)
-      frame.report = run.report();
-    else
-      addStrip(frame.report, run.report());
-    lessons_ = run.lessons();
-  }
-  frame.report.seconds = watch.seconds();
-  frame.report.stages.classify = classify_s;
-  frame.report.stages.plan = plan_s;
-  frame.report.stages.light = light_s;
-  if (setup.light != nullptr) frame.report.light_texels = setup.light->dims;
-  frame.report.step_vox = options.step_vox;
-  if (rays > 1) frame.report.rays = {rays, *kept_ray};
+  // Growing boxes know nothing of the cells around them.
+  const bool looks_around = setup.integrates || setup.has_surfaces;
+  const ChosenBoxesPtr boxes = looks_around ? nullptr : boxesOf(look, plan);
+  std::function<void()> when_read;
+  if (afterwards) when_read = [&] { readAfterwards(*afterwards); };
+  Frame frame = drawRays({step_, look, visible, plan, order, boxes, std::move(setup), options,
+                          asked_at, std::move(when_read)},
+                         rays);
+
+  FrameReport& report = frame.report;
   frame.blocks = visible;
-  if (judges_surfaces) countLost(*look, *visible, view, judged, frame.report);
-  noteDrawn(visible, frame.report.seconds - frame.report.stages.draw - classify_s - plan_s,
-            frame.report.decoded_bytes, frame.report);
+  report.seconds = watch.seconds();
+  report.step_vox = options.step_vox;
+  report.stages.classify = stages.classify;
+  report.stages.plan = stages.plan;
+  report.stages.light = stages.light;
+  if (judgesSurfaces(look, options)) countLost(*look, *visible, view, judged, report);
+  noteDrawn(visible, report.seconds - report.stages.draw - stages.classify - stages.plan,
+            report.decoded_bytes, report);
   // Blocks that were read to decide whether they are refined.
-  frame.report.decoded_bytes += judged.decoded_bytes;
-  frame.report.stages.read += secondsOf(judged.read_ns);
-  frame.report.stages.decode += secondsOf(judged.decode_ns);
+  report.decoded_bytes += judged.decoded_bytes;
+  report.stages.read += secondsOf(judged.read_ns);
+  report.stages.decode += secondsOf(judged.decode_ns);
   return frame;
 }
 

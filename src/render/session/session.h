@@ -3,7 +3,7 @@
 //
 //   TimeStep -> Look -> VisibleBlocks -> FramePlan -> DrawOrder -> FrameRun -> Picture
 //
-// Reading order: this header, then frame.cpp, whose one function is that line. Used on one thread,
+// Reading order: this header, then frame.cpp, whose last function is that line. Used on one thread,
 // the device's; workers run inside the calls.
 #pragma once
 
@@ -143,6 +143,21 @@ class Session {
     double step_vox;
     friend bool operator==(const BoxesKey&, const BoxesKey&) = default;
   };
+
+  // The links of frame()'s chain that depend on more than the planner's values.
+  //
+  // The blocks that the frame draws. Drops the time limit from `options` if the blocks are chosen
+  // so that all of them come in time. Adds to `judged` what was read to choose them.
+  VisibleBlocksPtr blocksOf(const LookPtr& look, FrameOptions& options, ReadTally& judged);
+  // Sets the distance between slices in `options`, and returns the rays through a pixel.
+  PixelRays setSampling(const LookPtr& look, const VisibleBlocks& visible,
+                        FrameOptions& options) const;
+  // The device's values for a frame of these blocks, with the light that arrives in the volume.
+  FrameSetup setupOf(const LookPtr& look, const VisibleBlocks& visible, const View& view,
+                     const FrameOptions& options);
+  // Draws one picture for each ray through a pixel, and keeps the ray that each pixel shows. All of
+  // them see the same boxes, so the first one's report holds what was read.
+  Frame drawRays(const FrameValues& values, const PixelRays& rays);
 
   // Blocks of the step are compared with its ranges as they are read.
   void expectBlocksOf(const TimeStep& step);
