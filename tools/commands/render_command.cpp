@@ -38,6 +38,95 @@ void warnOfIdleOptions(const Arguments& arguments, const std::set<std::string>& 
     printWarning(fmt::format("{}: {}", scene.volume.name, line));
 }
 
+void requireSingleProcess(const Arguments& arguments, const Team& team) {
+  if (!arguments.debug_view && !arguments.progressive && arguments.trace_file.empty()) return;
+  fail("{} needs a single process, not {} ranks",
+       arguments.debug_view    ? "--debug-view"
+       : arguments.progressive ? "--progressive"
+                               : "--trace",
+       team.ranks());
+}
+
+// Records the requests of the scene's frames, if the command asks for a trace.
+void startTrace(const Arguments& arguments, Scene& scene) {
+  if (arguments.trace_file.empty()) return;
+  for (const Layer* layer : scene.layers())
+    renderOutputs(arguments, &scene).check(layer->volume.source->files());
+  scene.recordTo(arguments.trace_file);
+}
+
+// Keeps the report of the frames that were drawn before a signal, for --continue.
+void reportUntilSignal(const RenderJob& job, const CLI::App& app, const Drawn& drawn,
+                       const nlohmann::json& earlier) {
+  nlohmann::json report = reportOf(job.arguments, app, job.to_draw, drawn, job.scene);
+  addEarlierFrames(job.arguments, earlier, report);
+  writeReportOf(job.arguments, report, drawn, job.scene, true);
+}
+
+// Verifies the last picture.
+Verification verifyLast(const RenderJob& job, const FittedScene& fitted, Room room,
+                        const Drawn& drawn) {
+  const Arguments& arguments = job.arguments;
+  const int64_t frame = job.to_draw.back();
+  FrameOptions options = job.options;
+  options.camera = cameraOf(job.cameras, frame);
+  return verify(job.scene,
+                {arguments.volume, arguments.resources, fitted.asked,
+                 static_cast<size_t>(arguments.times ? 0 : frame), arguments.fit, room,
+                 arguments.look.this_step, timeOf(arguments, frame), job.has_step,
+                 drawn.frames.back().layers},
+                options, drawn.picture);
+}
+
+nlohmann::json verificationJson(const Verification& verified) {
+  return {{"max_difference", verified.max_difference},
+          {"mean_difference", verified.mean_difference},
+          {"differing_pixels", verified.differing_pixels},
+          {"unchecked", verified.unchecked}};
+}
+
+// Draws the frames of an opened scene, and writes their pictures and the report.
+int drawAndReport(const RenderJob& job, const FittedScene& fitted, Room room, const CLI::App& app,
+                  Team* team) {
+  const Arguments& arguments = job.arguments;
+  Scene& scene = job.scene;
+  const nlohmann::json earlier = earlierReport(arguments);
+  // The series comes before the trace, since culling opens the session anew.
+  Series series(scene, arguments.culling, arguments.resources, job.options);
+  chooseCulling(job, series);
+  startTrace(arguments, scene);
+  const Drawn drawn = drawFrames(job, series);
+  scene.keepLearntRanges();
+  if (drawn.is_cut) {
+    if (team == nullptr) reportUntilSignal(job, app, drawn, earlier);
+    throw Interrupted();
+  }
+  scene.recordTo("");
+  nlohmann::json report;
+  if (wantsReport(arguments)) {
+    report = reportOf(arguments, app, job.to_draw, drawn, scene);
+    if (series.choice()) report["culling_choice"] = choiceJson(*series.choice());
+    addEarlierFrames(arguments, earlier, report);
+  }
+  if (scene.share && wantsReport(arguments)) gatherReport(*team, scene.composited, report);
+  if (!job.is_first) return 0;
+  warnOfEmptyPictures(arguments, job.to_draw, drawn);
+  std::optional<Verification> verified;
+  if (arguments.verify) {
+    verified = verifyLast(job, fitted, room, drawn);
+    report["verify"] = verificationJson(*verified);
+  }
+  if (!arguments.report_file.empty())
+    writeReportOf(arguments, report, drawn, scene, team == nullptr);
+  if (arguments.json) {
+    sayJson(report);
+  } else if (!arguments.resources.quiet) {
+    printDrawn(arguments, scene, series, drawn, verified);
+  }
+  return 0;
+}
+
+// Opens the scene that the command asks for, and draws it. `team`: null for a single process.
 int run(Arguments& arguments, CLI::App& app, Team* team) {
   const auto began = std::chrono::steady_clock::now();
   const std::set<std::string> given = givenOptions(app);
@@ -54,13 +143,7 @@ int run(Arguments& arguments, CLI::App& app, Team* team) {
   if (arguments.volume.inputs.empty()) throw CLI::RequiredError("volume");
   if (team != nullptr) expectSameCommand(*team, app);
   checkOutput(arguments);
-  if (team != nullptr &&
-      (arguments.debug_view || arguments.progressive || !arguments.trace_file.empty()))
-    fail("{} needs a single process, not {} ranks",
-         arguments.debug_view    ? "--debug-view"
-         : arguments.progressive ? "--progressive"
-                                 : "--trace",
-         team->ranks());
+  if (team != nullptr) requireSingleProcess(arguments, *team);
   const Outputs outputs = renderOutputs(arguments);
   const std::vector<int64_t> to_draw = framesToDraw(arguments, team);
   const bool is_first = team == nullptr || team->isFirst();
@@ -99,59 +182,7 @@ int run(Arguments& arguments, CLI::App& app, Team* team) {
                 scene,     is_first, has_step, began,  std::move(earlier_pictures)};
   job.options = drawingOptions(job);
   requireWholePicture(arguments, scene);
-
-  const nlohmann::json earlier = earlierReport(arguments);
-  // The series comes before the trace, since culling opens the session anew.
-  Series series(scene, arguments.culling, arguments.resources, job.options);
-  chooseCulling(job, series);
-  if (!arguments.trace_file.empty()) {
-    for (const Layer* layer : scene.layers())
-      renderOutputs(arguments, &scene).check(layer->volume.source->files());
-    scene.recordTo(arguments.trace_file);
-  }
-  const Drawn drawn = drawFrames(job, series);
-  scene.keepLearntRanges();
-  if (drawn.is_cut) {
-    if (team == nullptr) {
-      nlohmann::json report = reportOf(arguments, app, to_draw, drawn, scene);
-      addEarlierFrames(arguments, earlier, report);
-      writeReportOf(arguments, report, drawn, scene, true);
-    }
-    throw Interrupted();
-  }
-  scene.recordTo("");
-  nlohmann::json report;
-  if (wantsReport(arguments)) {
-    report = reportOf(arguments, app, to_draw, drawn, scene);
-    if (series.choice()) report["culling_choice"] = choiceJson(*series.choice());
-    addEarlierFrames(arguments, earlier, report);
-  }
-  if (scene.share && wantsReport(arguments)) gatherReport(*team, scene.composited, report);
-  if (!is_first) return 0;
-  warnOfEmptyPictures(arguments, to_draw, drawn);
-  std::optional<Verification> verified;
-  if (arguments.verify) {
-    const auto at = static_cast<size_t>(arguments.times ? 0 : to_draw.back());
-    FrameOptions last = job.options;
-    last.camera = cameraOf(cameras, to_draw.back());
-    verified = verify(scene,
-                      {arguments.volume, arguments.resources, fitted.asked, at, arguments.fit, room,
-                       arguments.look.this_step, timeOf(arguments, to_draw.back()), has_step,
-                       drawn.frames.back().layers},
-                      last, drawn.picture);
-    report["verify"] = {{"max_difference", verified->max_difference},
-                        {"mean_difference", verified->mean_difference},
-                        {"differing_pixels", verified->differing_pixels},
-                        {"unchecked", verified->unchecked}};
-  }
-  if (!arguments.report_file.empty())
-    writeReportOf(arguments, report, drawn, scene, team == nullptr);
-  if (arguments.json) {
-    sayJson(report);
-  } else if (!arguments.resources.quiet) {
-    printDrawn(arguments, scene, series, drawn, verified);
-  }
-  return 0;
+  return drawAndReport(job, fitted, room, app, team);
 }
 
 }  // namespace
