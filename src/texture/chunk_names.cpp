@@ -19,6 +19,8 @@ ChunkNameList ChunkNames::namesOf(const TexturePlan& plan) {
     recipe.clear();
     for (const BlockPosition position : chunk.blocks) {
       const TextureBlock& block = plan.blocks[position];
+      // All that the texels follow from, and nothing else: chunks of other thresholds keep their
+      // names if their bytes are the same.
       const int axis = block.trimming_axis;
       for (const int64_t number :
            {block.name.time, int64_t{block.name.level}, int64_t{block.name.channel},

@@ -25,6 +25,7 @@ std::vector<VisitGrid> blockGrids(const TexturePlan& plan) {
   for (const TextureBlock& block : plan.blocks) levels.insert(block.name.level);
   if (levels.empty()) levels.insert(0);
   std::vector<VisitGrid> grids;
+  // Coarse to fine, as the order of the visit goes down the grids.
   for (auto level = levels.rbegin(); level != levels.rend(); ++level)
     grids.push_back(gridOf(plan.pyramid.level(*level)));
   return grids;
@@ -77,6 +78,8 @@ class OctreeClusters {
   // A cell of the finest grid has one block, which the cache holds: there is always a finer grid.
   void divide(size_t grid, const std::vector<BlockPosition>& blocks) {
     std::map<std::tuple<int64_t, int64_t, int64_t>, std::vector<BlockPosition>> cells;
+    // Regions of all levels are made of whole cells of any coarser grid, so that the corner alone
+    // tells the cell.
     for (const BlockPosition block : blocks) {
       const Vec3i corner = plan_.pyramid.regionOf(plan_.blocks[block].name).lo;
       const Vec3i index = plan_.cluster_grids[grid].indexOf(corner);
@@ -102,6 +105,7 @@ Vec3i clusterBlocks(Vec3i grid, int64_t capacity_blocks) {
   u = std::min(u, grid.x);
   if (capacity_blocks >= kRowsOfACluster * grid.x) u = grid.x;
   const int64_t v = std::min(capacity_blocks / u, grid.y);
+  // A grid with few rows leaves capacity over, which makes clusters wider.
   return {std::min(capacity_blocks / v, grid.x), v, 1};
 }
 
@@ -113,6 +117,8 @@ void groupIntoClusters(TexturePlan& plan, int64_t capacity_blocks) {
   }
   plan.cluster_blocks = {1, 1, 1};
   plan.cluster_grids = plan.block_grids;
+  // The root of the octree is one cell over the whole volume: if the cache has room for all blocks,
+  // they are one cluster.
   plan.cluster_grids.insert(plan.cluster_grids.begin(), {plan.layout().dims, {1, 1, 1}});
   std::vector<BlockPosition> all;
   for (const BlockPosition block : plan.blocks.indices()) all.push_back(block);
@@ -123,6 +129,8 @@ void groupAs(const TexturePlan& other, TexturePlan& plan) {
   plan.block_grids = other.block_grids;
   plan.cluster_grids = other.cluster_grids;
   plan.cluster_blocks = other.cluster_blocks;
+  // The other plan is the union over several channels, which may show this one's blocks at other
+  // time steps.
   std::map<std::pair<int32_t, int64_t>, ClusterPosition> cluster_of;  // by level and block
   for (const TextureBlock& block : other.blocks)
     cluster_of.emplace(std::pair(block.name.level, block.name.block), block.cluster);
@@ -131,6 +139,7 @@ void groupAs(const TexturePlan& other, TexturePlan& plan) {
     const BlockName& name = plan.blocks[i].name;
     const auto found = cluster_of.find({name.level, name.block});
     SLUICE_CHECK(found != cluster_of.end());
+    // Clusters without a block of this plan are left out, so that no cluster is empty.
     const auto [at, fresh] = own.emplace(found->second, plan.clusters.endIndex());
     if (fresh) {
       const Cluster& cluster = other.clusters[found->second];

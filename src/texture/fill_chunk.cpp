@@ -39,6 +39,8 @@ void copyTyped(const TextureBlock& block, const VolumeBlock& from, const T* voxe
                       from.voxels.hi[axis] - 1) -
            from.voxels.lo[axis];
   };
+  // Voxels `first` to `end` of a row are there. The others lie outside the volume and repeat the
+  // nearest one.
   const int along = axes[0];
   const int64_t first =
       std::clamp<int64_t>(from.voxels.lo[along] - block.voxels.lo[along], 0, texels.x);
@@ -49,6 +51,8 @@ void copyTyped(const TextureBlock& block, const VolumeBlock& from, const T* voxe
       const int64_t texel =
           ((block.at.z + z) * storage_vox.y + block.at.y + y) * storage_vox.x + block.at.x;
       T* const to = out + texel * kNumbers;
+      // The memory is recycled and its contents are arbitrary. A sample may give these texels a
+      // weight of 0, for which they must be numbers.
       if (z >= texels.z || y >= texels.y) {
         fill<kNumbers>(to, room.x, T{});
         continue;
@@ -79,6 +83,8 @@ void copyTextureBlock(const TextureBlock& block, const VolumeBlock& from, Vec3i 
       copyTyped<1>(block, from, voxels, storage_vox, room, to);
     } else {
       copyTyped<2>(block, from, voxels, storage_vox, room, to);
+      // A volume block keeps its spreads behind all means. A texel has its spread next to its mean,
+      // so that one look-up fetches both.
       copyTyped<2>(block, from, voxels + from.voxels.count(), storage_vox, room, to + 1);
     }
   });
@@ -89,6 +95,8 @@ std::vector<Vec3i> roomsOf(const TexturePlan& plan, const Chunk& chunk, Vec3i st
   // next block of its column, or the next column, begins.
   std::vector<Vec3i> rooms(chunk.blocks.size());
   Vec3i end = storage_vox, next = storage_vox;
+  // Walks from the last block to the first: `next` is where the block behind begins, `end` the
+  // upper corner of the room.
   for (size_t i = rooms.size(); i-- > 0;) {
     const Vec3i at = plan.blocks[chunk.blocks[i]].at;
     for (const int a : {0, 1})
@@ -98,6 +106,7 @@ std::vector<Vec3i> roomsOf(const TexturePlan& plan, const Chunk& chunk, Vec3i st
       }
     next = at;
     rooms[i] = end - at;
+    // The block below in this column ends where this one begins.
     end.z = at.z;
   }
   return rooms;

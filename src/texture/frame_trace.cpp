@@ -29,12 +29,15 @@ std::vector<TraceRecord> frameRequests(const TexturePlan& plan, const ChunkNameL
 
 int64_t bindCount(const TexturePlan& plan, const EyePosition& eye) {
   int64_t binds = 0;
+  // One block a chunk (algorithms I to III): each block that is drawn binds once, whatever the
+  // order.
   if (plan.chunks.size() == plan.blocks.size()) {  // in any order
     for (const TextureBlock& block : plan.blocks) binds += block.cells.empty() ? 0 : 1;
     return binds;
   }
   for (const ClusterPosition position : clusterOrder(plan, eye)) {
     const Cluster& cluster = plan.clusters[position];
+    // Boxes are drawn block by block, so that neighbours in the order that share a chunk bind once.
     ChunkPosition bound(int64_t{-1});
     for (const BlockPosition at : blockOrder(plan, cluster, eye)) {
       const TextureBlock& block = plan.blocks[at];

@@ -43,9 +43,12 @@ uint64_t placeOf(const Column& column) {
 std::optional<Column> pairNeighbors(std::vector<Column> columns, std::vector<MergedChunk>& chunks) {
   std::stable_sort(columns.begin(), columns.end(),
                    [](const Column& a, const Column& b) { return placeOf(a) < placeOf(b); });
+  // A shift by all bits in which the places differ puts all columns in one cell, so that at most
+  // one stays alone.
   const int bits = std::bit_width(placeOf(columns.back()) ^ placeOf(columns.front()));
   for (int shift = 0; shift <= bits && columns.size() > 1; ++shift) {
     const auto cellOf = [&](const Column& column) {
+      // A shift by the width of the type is undefined.
       return shift < std::numeric_limits<uint64_t>::digits ? placeOf(column) >> shift : 0;
     };
     std::vector<Column> alone;
@@ -86,11 +89,15 @@ std::vector<MergedChunk> pairByThickness(std::vector<Column> columns) {
   chunks.reserve((columns.size() + 1) / 2);
   columns = pairEquals(std::move(columns), chunks);
   const size_t count = columns.size();
+  // A linked list over the sorted columns: when a pair goes, the columns on its two sides become
+  // neighbours.
   std::vector<size_t> before(count), after(count);  // count: none
   std::vector<bool> taken(count, false);
   using Pair = std::tuple<int64_t, size_t, size_t>;  // difference, lower, upper
   std::vector<Pair> room;
   room.reserve(count);
+  // The capacity is reserved beforehand, so the queue does not grow while the first offers are
+  // made.
   std::priority_queue pairs(std::greater<>(), std::move(room));
   const auto offer = [&](size_t a, size_t b) {
     pairs.emplace(columns[b].thickness - columns[a].thickness, a, b);
@@ -103,6 +110,7 @@ std::vector<MergedChunk> pairByThickness(std::vector<Column> columns) {
   while (!pairs.empty()) {
     const auto [difference, a, b] = pairs.top();
     pairs.pop();
+    // An offer is out of date if one of its columns was paired meanwhile.
     if (taken[a] || taken[b]) continue;
     taken[a] = taken[b] = true;
     const size_t left = before[a], right = after[b];
@@ -133,6 +141,7 @@ void pileUpLeftover(std::vector<MergedChunk>& chunks, int64_t limit) {
   if (best == nullptr) return;
   best->blocks.push_back(block);
   best->thickness += block.thickness;
+  // `best` may point behind the erased chunk, so the block was added before.
   chunks.erase(alone);
 }
 
@@ -146,6 +155,8 @@ std::vector<Column> pileUp(std::vector<MergeBlock> blocks, int64_t limit) {
   size_t first_open = 0;
   for (const MergeBlock& block : blocks) {
     const int64_t thinnest = blocks.back().thickness;
+    // Blocks come thickest first. A column that is too high for the thinnest one is too high for
+    // all that follow, so that the search need not begin at the first column each time.
     while (first_open < columns.size() && columns[first_open].thickness + thinnest > limit)
       ++first_open;
     size_t at = first_open;

@@ -40,6 +40,8 @@ PlanTotals totalsOfEveryBlock(const PyramidLayout& pyramid, const VisibleBlocks&
   const BlockLayout& layout = pyramid.finest();
   const int64_t side = blockSide(layout, pyramid.levels());
   PlanTotals totals;
+  // Every block is in the plan, visible or not, so that the grid alone gives all counts but the
+  // binds.
   totals.cluster_blocks = clusterBlocks(layout.grid, clusterCapacity(pyramid, visible, page));
   totals.clusters = 1;
   for (int axis = 0; axis < 3; ++axis)
@@ -48,6 +50,7 @@ PlanTotals totalsOfEveryBlock(const PyramidLayout& pyramid, const VisibleBlocks&
   totals.chunks = static_cast<size_t>(blocks);
   totals.pages = blocks * pyramid.level(0).numbers * page.pagesOf(Vec3i{side, side, side});
   totals.bytes = static_cast<uint64_t>(totals.pages * page.pageBytes());
+  // Algorithm I draws all blocks that own a cell inside the crop, II those with an object box.
   totals.binds = options.algorithm == Algorithm::kConventional
                      ? blocksThatOwn(layout, options.crop)
                      : static_cast<int64_t>(visible.blocks.size());

@@ -67,6 +67,7 @@ TextureBuffer::EntryPtr TextureBuffer::publish(const TexturePlan& plan, const Ch
   texels->has_spread = plan.numbersOf(chunk) == 2;
   texels->byte_count = bytesOf(plan, chunk);
   texels->bytes = memory_->take(texels->byte_count);  // the workers write it all
+  // All memory for the fillings comes before publish(): a published entry must be filled or failed.
   const std::vector<Vec3i> rooms = roomsOf(plan, chunk, texels->storage_vox);
   fillings.reserve(fillings.size() + rooms.size());
   EntryPtr entry = chunks_.publish(name, texels->byte_count);
@@ -78,7 +79,7 @@ TextureBuffer::EntryPtr TextureBuffer::publish(const TexturePlan& plan, const Ch
 
 bool TextureBuffer::makeRoomFor(const TexturePlan& plan, const ChunkNameList& names,
                                 std::span<const ChunkPosition> chunks) {
-  // Entries already held are pinned meanwhile, so that making room does not evict them.
+  // Entries already held are wanted meanwhile, so that making room does not evict them.
   std::vector<EntryPtr> held;
   held.reserve(chunks.size());
   std::unordered_set<ChunkName> fresh;
@@ -118,6 +119,7 @@ TextureBuffer::BatchPtr TextureBuffer::tryBegin(const TexturePlan& plan, const C
       batch->wanted.push_back(std::move(entry));
     }
     std::vector<BlockName> soon_blocks;
+    // Only a batch that reads anything takes the blocks of `soon` along.
     if (!fillings.empty()) soon_blocks = blocksSoon(plan, names, soon);
     planRuns(*batch, std::move(fillings), std::move(soon_blocks), plan.pyramid);
   } catch (...) {  // no memory: published entries would never be filled
@@ -125,6 +127,7 @@ TextureBuffer::BatchPtr TextureBuffer::tryBegin(const TexturePlan& plan, const C
     throw;
   }
   lock.unlock();
+  // Workers are started without the lock, which each of them takes first.
   startHelpers(batch);
   return batch;
 }
@@ -133,6 +136,8 @@ void TextureBuffer::startHelpers(const BatchPtr& batch) {
   const auto helpers = std::min<int64_t>(pool_.threads(), static_cast<int64_t>(batch->runs.size()));
   for (int64_t i = 0; i < helpers; ++i) {
     {
+      // Counted before it is submitted, so that waitUntilIdle() also waits for a helper still in
+      // the pool's queue.
       const MutexLock lock(chunks_.mutex);
       ++workers_under_way_;
     }
@@ -160,15 +165,19 @@ TextureBuffer::BatchPtr TextureBuffer::begin(const TexturePlan& plan, const Chun
                                              const ReadPurpose& purpose) {
   for (;;) {
     MutexLock lock(chunks_.mutex);
+    // Asked before the attempt: if a filling ends in between, its room is free and the attempt is
+    // repeated at once.
     const uint64_t filling_bytes = chunks_.loadingBytes();
     lock.unlock();
     BatchPtr batch = tryBegin(plan, names, chunks, soon, purpose);
     if (batch != nullptr) return batch;
+    // Nothing is being filled that could give room when it ends: the rest is pinned.
     if (filling_bytes == 0) break;
     lock.lock();
     while (chunks_.loadingBytes() >= filling_bytes) chunks_.changed.wait(lock);
   }
   uint64_t bytes = 0;
+  // The requests that fail are counted, too, so that requests = hits + misses holds.
   const MutexLock lock(chunks_.mutex);
   for (const ChunkPosition position : chunks) {
     if (chunks_.find(names[position]) != nullptr) {
@@ -201,6 +210,7 @@ std::vector<BlockName> TextureBuffer::blocksSoon(const TexturePlan& plan,
 
 void TextureBuffer::planRuns(Batch& batch, std::vector<Filling> fillings,
                              std::vector<BlockName> soon, const PyramidLayout& pyramid) const {
+  // By name, so that the blocks of one row follow each other.
   std::ranges::sort(fillings, {}, [](const Filling& filling) { return filling.block.name; });
   std::ranges::sort(soon);
   // The caller reads too.
@@ -230,8 +240,11 @@ void TextureBuffer::planRuns(Batch& batch, std::vector<Filling> fillings,
 void TextureBuffer::work(Batch& batch) {
   for (;;) {
     MutexLock lock(chunks_.mutex);
+    // Runs of all batches count, since together they must leave room in level 2 for the blocks read
+    // along.
     while (runs_under_way_ >= batch.runs_at_once && batch.next < batch.runs.size())
       chunks_.changed.wait(lock);
+    // A number beyond the last run does no harm: nobody takes one behind it.
     const size_t i = batch.next.fetch_add(1);
     if (i >= batch.runs.size()) return;
     ++runs_under_way_;
@@ -245,6 +258,8 @@ void TextureBuffer::work(Batch& batch) {
     }
     lock.lock();
     --runs_under_way_;
+    // All of this run under one lock: as soon as its last filling is settled, finish() may clear
+    // the list.
     for (size_t at = run.from; at < run.to; ++at) {
       const auto& [block, room, into] = batch.fillings[at];
       const ChunkTexels& texels = *into->note.texels;
@@ -270,6 +285,7 @@ void TextureBuffer::fill(Batch& batch, const ReadRun& run) {
   const std::span wanted(batch.fillings.data() + run.from, run.to - run.from);
   for (const int64_t block : run.blocks) {
     names.push_back(wanted.front().block.name.withBlock(block));
+    // Blocks that only lie next to wanted ones do not count as used in level 2.
     ahead.push_back(!std::ranges::binary_search(
         wanted, block, {}, [](const Filling& filling) { return filling.block.name.block; }));
   }
@@ -286,6 +302,7 @@ void TextureBuffer::fill(Batch& batch, const ReadRun& run) {
 }
 
 void TextureBuffer::settle(const EntryPtr& entry) {
+  // Other blocks of the chunk are still to come. Each of them settles it once, also if it fails.
   if (--entry->note.fillings_left > 0) return;
   // The cache's value is then the only handle of ours.
   const std::shared_ptr<ChunkTexels> texels = std::move(entry->note.texels);
@@ -301,6 +318,7 @@ void TextureBuffer::abandon(Batch& batch) {
 }
 
 void TextureBuffer::skipRest(Batch& batch, const std::exception_ptr& why) {
+  // Takes all runs that nobody has begun, so that no worker finds one later.
   for (size_t i = batch.next.exchange(batch.runs.size()); i < batch.runs.size(); ++i)
     for (size_t at = batch.runs[i].from; at < batch.runs[i].to; ++at) {
       const EntryPtr& entry = batch.fillings[at].into;
@@ -311,12 +329,14 @@ void TextureBuffer::skipRest(Batch& batch, const std::exception_ptr& why) {
 }
 
 std::vector<ChunkTexelsPtr> TextureBuffer::finish(const BatchPtr& batch) {
+  // This thread fills, too: without helpers it fills all.
   work(*batch);
   std::vector<ChunkTexelsPtr> texels;
   std::exception_ptr failure;
   MutexLock lock(chunks_.mutex);
   for (const EntryPtr& entry : batch->wanted) {
     try {
+      // All entries are taken even after a failure, since each of them is wanted once.
       texels.push_back(chunks_.take(lock, entry));
     } catch (...) {
       if (!failure) failure = std::current_exception();
@@ -335,6 +355,8 @@ std::vector<ChunkTexelsPtr> TextureBuffer::waitUntil(
   std::vector<ChunkTexelsPtr> texels;
   MutexLock lock(chunks_.mutex);
   for (const EntryPtr& entry : batch->wanted) {
+    // An entry that was late does not keep the others from being looked at, as the deadline has
+    // passed for all.
     while (entry->state == Chunks::Entry::State::kLoading &&
            chunks_.changed.waitUntil(lock, deadline)) {
     }

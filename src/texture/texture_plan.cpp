@@ -29,6 +29,8 @@ TextureBlock wholeBlock(const PyramidLayout& pyramid, const ObjectBlock& object)
   TextureBlock result;
   result.name = object.name;
   result.voxels = layout.cube(layout.indexOf(object.name.block));
+  // In a volume smaller than a block, cubes are larger than the side that chunks and budgets are
+  // made for.
   result.voxels.hi = result.voxels.lo + Vec3i{side, side, side};
   result.cells = object.cells;
   result.level_faces = object.level_faces;
@@ -41,6 +43,7 @@ TextureBlock trimmedBlock(const PyramidLayout& pyramid, const ObjectBlock& objec
   const int axis = result.trimming_axis = object.trimming_axis;
   const LevelLayout& level = pyramid.of(object.name);
   const Box3 needed = level.voxelsUnder(object.cells), cube = result.voxels;
+  // The ghost layers around the object box are kept, too: gradients at its border use them.
   result.voxels.lo[axis] = std::max(cube.lo[axis], needed.lo[axis] - level.blocks.ghost);
   result.voxels.hi[axis] = std::min(cube.hi[axis], needed.hi[axis] + level.blocks.ghost);
   return result;
@@ -59,6 +62,8 @@ void addBlocks(TexturePlan& plan, const VisibleBlocks& visible, const PlanOption
 
 // The bits of the numbers by turns, those of z first: neighbours share the leading ones.
 uint64_t interleaved(Vec3i index) {
+  // Three numbers of 21 bits fill the place. Larger ones lose upper bits: merging then takes some
+  // blocks for neighbours that are not, which no picture shows.
   constexpr int kBits = 21;
   uint64_t place = 0;
   for (int bit = 0; bit < kBits; ++bit)
@@ -107,6 +112,7 @@ bool addChunk(TexturePlan& plan, const MergedChunk& merged) {
   Chunk chunk;
   chunk.size_vox = columnsSize(plan, merged.columns.size(), merged.thickness());
   const int64_t side = sideOf(plan.pyramid);
+  // More than one side wide along x: columnsSize() put two columns side by side there.
   const int across = chunk.size_vox.x > side ? 0 : 1;  // the axis along which columns lie
   size_t count = 0;
   for (const Column& column : merged.columns) count += column.blocks.size();
@@ -123,6 +129,8 @@ bool addChunk(TexturePlan& plan, const MergedChunk& merged) {
       chunk.blocks.push_back(position);
       is_between = is_between || block.cluster != first_cluster;
       std::vector<ChunkPosition>& of_cluster = plan.clusters[block.cluster].chunks;
+      // A chunk may hold several blocks of one cluster, which needs it once. They follow each other
+      // within a column.
       if (of_cluster.empty() || of_cluster.back() != number) of_cluster.push_back(number);
     }
   }
@@ -152,10 +160,12 @@ void mergeChunks(TexturePlan& plan, MergeOrder order) {
     return plan.pyramid.of(plan.blocks[first].name).numbers *
            plan.page.pagesOf(columnsSize(plan, chunk.columns.size(), chunk.thickness()));
   };
+  // All clusters merge in themselves before any two merge with each other.
   IndexedVector<ClusterPosition, std::vector<MergedChunk>> merged(plan.clusters.size());
   IndexedVector<ClusterPosition, int64_t> pages(plan.clusters.size());
-  // Clusters by x, y, z. Clusters of an octree are left out: they are not visited one behind the
-  // other along z.
+  // Clusters by x, y, z. A cluster merges with its neighbour along z, which is visited next to it
+  // (3.2.3.3). Clusters of an octree are left out: they are not visited one behind the other along
+  // z.
   std::map<std::tuple<int64_t, int64_t, int64_t>, ClusterPosition> by_row;
   const bool merges_between = plan.cluster_grids.size() == 1;
   for (const ClusterPosition i : plan.clusters.indices()) {
@@ -268,6 +278,8 @@ void visitTextureBlocks(const PyramidLayout& pyramid, const VisibleBlocks& visib
   }
   if (!loadsEveryBlock(visible, algorithm)) {
     for (ObjectBlock object : visible.blocks) {
+      // Algorithm I draws the whole region of a block, since it knows no object boxes. Only blocks
+      // of the cut are loaded, for regions of other levels overlap them.
       if (algorithm == Algorithm::kConventional)
         object.cells = intersect(pyramid.regionOf(object.name), options.crop);
       visit(wholeBlock(pyramid, object));
@@ -284,6 +296,7 @@ void visitTextureBlocks(const PyramidLayout& pyramid, const VisibleBlocks& visib
   for (int64_t i = 0; i < count; ++i) {
     const int64_t block = share != nullptr ? share->blocks[static_cast<size_t>(i)] : i;
     ObjectBlock object;
+    // A block that shows nothing has no cells: algorithm II loads it and draws nothing of it.
     object.name = {.time = options.time, .block = block};
     if (next < visible.blocks.size() && visible.blocks[next].name.block == block)
       object = visible.blocks[next++];

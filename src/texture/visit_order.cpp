@@ -14,6 +14,7 @@ namespace {
 // Smaller is nearer along this axis; two blocks share a rank only on opposite sides of the eye,
 // where neither can hide the other. `cells` is the width of one step of the index.
 int64_t rankOf(int64_t index, int64_t cells, const EyePosition& eye, int axis) {
+  // The eye of a parallel view has no cell: the index itself tells which of two cells is nearer.
   if (eye.parallel) return eye.index[axis] >= 0 ? index : -index;
   const auto at = static_cast<int64_t>(std::floor(eye.index[axis] / static_cast<double>(cells)));
   return std::abs(index - at);
@@ -35,6 +36,8 @@ class GridOrder {
   void add(std::span<const CellRank> ranks) {
     items_.push_back({ranks.front(), ranks.size(), items_.size()});
     finer_.insert(finer_.end(), ranks.begin() + 1, ranks.end());
+    // Items in coarse grids have fewer ranks. They are padded, so that an item's ranks are found by
+    // its position.
     finer_.resize(items_.size() * finer_grids_);
   }
   // Positions of the items as they were added.
@@ -85,10 +88,13 @@ std::vector<BlockPosition> sortedBlocks(const TexturePlan& plan,
   for (const BlockPosition position : blocks) {
     const BlockName& name = plan.blocks[position].name;
     const LevelLayout& level = plan.pyramid.of(name);
+    // A grid's cell is found from the finest cells, since blocks of all levels have their corner
+    // there.
     const Vec3i corner = level.blocks.indexOf(name.block) * level.width;
     ranks.clear();
     for (const VisitGrid& grid : plan.block_grids) {
       ranks.push_back(rank_of(rankIn(grid, corner, eye)));
+      // A block is no larger than its own level's cells: finer grids cannot order it.
       if (grid.width == level.width) break;
     }
     order.add(ranks);
