@@ -18,6 +18,8 @@ BlockLayout blockLayout(Vec3i dims, int64_t size, int ghost, const char* where) 
   int64_t blocks = 1;
   bool countable = true;
   for (int a = 0; a < 3; ++a) {
+    // Formula 1 of Tong 1999, ceil((l-1) / (2^d-1)): a block owns 2^d - 1 cells, or fewer if it has
+    // ghost layers.
     layout.grid[a] = (dims[a] - 2) / layout.cells() + 1;
     countable = !__builtin_mul_overflow(blocks, layout.grid[a], &blocks) && countable;
   }
@@ -30,6 +32,7 @@ BlockLayout blockLayout(Vec3i dims, int64_t size, int ghost, const char* where) 
 }
 
 int64_t blockSizeFor(Vec3i page_vox) {
+  // At least 4 voxels, so that a lit block owns a cell between its ghost layers.
   const int64_t longest = std::max({page_vox.x, page_vox.y, page_vox.z, int64_t{4}});
   return static_cast<int64_t>(std::bit_ceil(static_cast<uint64_t>(longest)));
 }

@@ -26,6 +26,7 @@ std::optional<PackedBytes> pack(std::span<const std::byte> voxels, size_t voxel_
   PackedBytes result;
   result.bytes.reset(static_cast<std::byte*>(std::malloc(most + BLOSC_MAX_OVERHEAD)));
   if (result.bytes == nullptr) throw std::bad_alloc();
+  // Shuffling apart the bytes of a voxel helps only if there are several.
   const int shuffle = voxel_bytes > 1 ? BLOSC_SHUFFLE : BLOSC_NOSHUFFLE;
   const int packed = blosc_compress_ctx(codec.level, shuffle, voxel_bytes, voxels.size(),
                                         voxels.data(), result.bytes.get(), most, codec.name, 0, 1);

@@ -25,9 +25,12 @@ int64_t ceilOf(double at) {
 }  // namespace
 
 Box3 LevelLayout::voxelsUnder(const Box3& cells) const {
+  // The finest level, and each level with the same voxels, needs no rounding.
   if (placement == LevelPlacement()) return {cells.lo, cells.hi + Vec3i{1, 1, 1}};
   const Vec3d lo = placement.levelFromFinest(toDouble(cells.lo));
   const Vec3d hi = placement.levelFromFinest(toDouble(cells.hi));
+  // Rounded outwards, and inwards by the tolerance, so that a scale given in decimals adds no
+  // voxel.
   Box3 voxels;
   for (int a = 0; a < 3; ++a) {
     voxels.lo[a] = floorOf(lo[a]);
@@ -63,11 +66,13 @@ std::string PyramidLayout::add(Vec3i dims, const LevelPlacement& placement, int 
   const Vec3i last_cell = finest().dims - Vec3i{1, 1, 1};
   for (int a = 0; a < 3; ++a) {
     const double factor = placement.scale[a] / below.placement.scale[a];
+    // Levels nest if each is a whole multiple of the next finer one along all axes.
     const int64_t times = std::llround(factor);
     if (!(factor > 0) || times < 1)
       return fmt::format("its voxels are finer than the previous level's along {}", "xyz"[a]);
     level.width[a] *= times;
-    // A linear map is farthest off at an end.
+    // The blocks' planes must lie where the regions' faces do, within a voxel of the level. The
+    // difference is linear in the block's index, so that the first and the last block tell for all.
     const int64_t side = level.blocks.cells(), end = level.blocks.grid[a] - 1;
     for (const int64_t block : {int64_t{0}, end}) {
       const int64_t lo = block * level.width[a];
@@ -93,6 +98,7 @@ Box3 PyramidLayout::regionOf(int number, Vec3i index) const {
   Box3 region{index * at.width, (index + Vec3i{1, 1, 1}) * at.width};
   const Vec3i last_cell = finest().dims - Vec3i{1, 1, 1};
   for (int a = 0; a < 3; ++a)
+    // The last block has the rest: cells of the finest level that make no whole coarse voxel.
     if (index[a] == at.blocks.grid[a] - 1) region.hi[a] = last_cell[a];
   return region;
 }
@@ -118,6 +124,7 @@ Box3 PyramidLayout::childrenOf(int number, Vec3i index) const {
   const Vec3i times = at.width / below.width;
   Box3 children{index * times, (index + Vec3i{1, 1, 1}) * times};
   for (int a = 0; a < 3; ++a)
+    // The last block's children include those that make no whole number of them.
     if (index[a] == at.blocks.grid[a] - 1) children.hi[a] = below.blocks.grid[a];
   return children;
 }
@@ -127,6 +134,7 @@ int levelsInCommon(const PyramidLayout& a, const PyramidLayout& b) {
   int common = 0;
   for (; common < most; ++common) {
     LevelLayout of_a = a.level(common);
+    // Means with and without spreads are cut alike.
     of_a.numbers = b.level(common).numbers;
     if (!(of_a == b.level(common))) break;
   }

@@ -28,6 +28,8 @@ VolumeBuffer::VolumeBuffer(VolumeSource& source, const BlockLayout& layout, uint
 VolumeBuffer::VolumeBuffer(std::vector<Level> levels, uint64_t budget_bytes, Cold cold)
     : levels_(std::move(levels)),
       map_(deviceMap(levels_.front().source->layout())),
+      // Packing needs room for one more block beside the resident ones. In a budget of fewer than
+      // 16 blocks, that block would take too much of it.
       packs_(cold == Cold::kPacked && budget_bytes >= 16 * blockBytes()),
       keeps_coarsest_(levels_.size() > 1 && bytesOf(levels_.back()) <= budget_bytes / 8),
       memory_(BufferMemory::make(budget_bytes)),
@@ -52,24 +54,30 @@ uint64_t VolumeBuffer::blockBytes() const {
 }
 
 bool VolumeBuffer::hasRoom(uint64_t bytes) const {
+  // The block that packing may produce is room that no other block gets.
   const uint64_t scratch = packs_ ? blockBytes() : 0;
   return blocks_.takenBytes() + scratch + bytes <= blocks_.budgetBytes();
 }
 
 void VolumeBuffer::countPacked(int64_t bytes) {
   packed_bytes_ += static_cast<uint64_t>(bytes);
+  // The memory keeps freed pieces for reuse, and packed blocks lie elsewhere: together they must
+  // stay within the budget.
   const uint64_t scratch = packs_ ? blockBytes() : 0;
   memory_->setLimit(blocks_.budgetBytes() - scratch - packed_bytes_);
 }
 
 void VolumeBuffer::freeSome(MutexLock& lock, const BlockName& key, uint64_t bytes) {
+  // The coarsest blocks of the step in use go last, since any picture can fall back on them.
   const EntryPtr victim =
       blocks_.coldest([&](const BlockName& name) { return !staysLongest(name, key.time); });
+  // Packed blocks go if nothing else may, or if they fill more than their half of the budget.
   if ((victim == nullptr || cold_bytes_ > blocks_.budgetBytes() / 2) && !cold_.empty()) {
     dropColdest();
   } else if (victim != nullptr) {
     packOrDrop(lock, victim, key);
   } else if (packing_) {
+    // The room comes when the other thread has packed its block.
     while (packing_) blocks_.changed.wait(lock);
   } else if (const EntryPtr last = blocks_.coldest()) {
     packOrDrop(lock, last, key);
@@ -91,11 +99,15 @@ void VolumeBuffer::dropColdest() {
 }
 
 void VolumeBuffer::packOrDrop(MutexLock& lock, const EntryPtr& victim, const BlockName& for_block) {
+  // Packing pays for blocks that are asked for again: those that were before, and finer ones that
+  // make room for a coarse picture.
   const bool is_worth_it = victim->note.reused || victim->key.level < for_block.level;
   if (!packs_ || !is_worth_it) {
     blocks_.evict(victim);
     return;
   }
+  // One thread packs at a time, so that scratch for one block is enough. Its result makes room,
+  // too.
   if (packing_) {
     while (packing_) blocks_.changed.wait(lock);
     return;
@@ -110,6 +122,7 @@ void VolumeBuffer::packOrDrop(MutexLock& lock, const EntryPtr& victim, const Blo
   } catch (...) {  // no memory: then it is dropped, which gives more than packing would
   }
   blocks_.mutex.lock();
+  // The lock is held again: everything known about the cache before may have changed.
   packing_ = false;
   blocks_.letGo(victim);
   // Otherwise another thread wanted it in the meantime.
@@ -128,6 +141,8 @@ void VolumeBuffer::keepPacked(const EntryPtr& entry, PackedBytes bytes) {
     cold_.push_front({entry->key, entry->note, std::move(bytes)});
     cold_by_key_.emplace(entry->key, cold_.begin());
   } catch (const std::bad_alloc&) {
+    // push_front() may have succeeded before emplace() failed. The entry must not be in one of both
+    // alone.
     if (!cold_.empty() && cold_.front().key == entry->key) cold_.pop_front();
     blocks_.evict(entry);
     return;
@@ -149,6 +164,7 @@ VolumeBuffer::EntryPtr VolumeBuffer::request(MutexLock& lock, const BlockName& k
     }
     if (!hasRoom(bytes)) {
       try {
+        // freeSome() may give up the lock, so that the key is looked up anew.
         freeSome(lock, key, bytes);
       } catch (const Error&) {
         blocks_.countNoRoom();
@@ -162,6 +178,7 @@ VolumeBuffer::EntryPtr VolumeBuffer::request(MutexLock& lock, const BlockName& k
       ours.back().entry->note.note(ahead);
       return ours.back().entry;
     }
+    // publish() may throw, and nothing has changed then: the bytes are moved after it.
     const std::list<Packed>::iterator from = packed->second;
     ours.push_back({blocks_.publish(key, bytes, from->bytes.byte_count), std::move(from->bytes)});
     EntryPtr entry = ours.back().entry;
@@ -215,6 +232,7 @@ std::vector<VolumeBlockPtr> VolumeBuffer::acquire(std::span<const BlockName> key
   return blocks;
 }
 
+// Blocks that follow each other in a row are read together. Packed ones between them end the run.
 void VolumeBuffer::loadOwn(std::span<Own> ours, ReadTally* tally) noexcept {
   const auto besideEachOther = [&](const BlockName& a, const BlockName& b) {
     const int64_t blocks_a_row = levelOf(a).layout.grid.x;
@@ -244,6 +262,7 @@ std::shared_ptr<VolumeBlock> VolumeBuffer::emptyBlock(const BlockName& key) cons
 }
 
 std::exception_ptr VolumeBuffer::failureOf(const BlockName& key) const noexcept {
+  // Rethrows the exception that is being handled, to tell its type.
   try {
     throw;
   } catch (const Error&) {
@@ -279,6 +298,7 @@ void VolumeBuffer::unpackAndFinish(Own& own, ReadTally* tally) noexcept {
   if (failure)
     blocks_.fail(own.entry, failure);
   else
+    // The room of the packed form becomes free only now: until then both forms count.
     blocks_.finish(own.entry, std::move(block), own.entry->bytes);
   countPacked(-static_cast<int64_t>(own.packed.byte_count));
   own.packed = {};
@@ -290,6 +310,7 @@ void VolumeBuffer::loadAndFinish(std::span<const Own> run, ReadTally* tally) noe
   try {
     blocks = load(run, tally);
   } catch (...) {
+    // The failure of a run names its first block, since a source reports none.
     failure = failureOf(run.front().entry->key);
   }
   const MutexLock lock(blocks_.mutex);
@@ -299,6 +320,7 @@ void VolumeBuffer::loadAndFinish(std::span<const Own> run, ReadTally* tally) noe
       blocks_.fail(entry, failure);
     } else {
       const bool was_here_before = blocks_.finish(entry, std::move(blocks[i]), entry->bytes);
+      // A block that is read again counts as used again, so that it is packed next time.
       entry->note.reused = entry->note.reused || was_here_before;
     }
   }
@@ -332,6 +354,7 @@ std::vector<std::shared_ptr<VolumeBlock>> VolumeBuffer::load(std::span<const Own
 
 bool VolumeBuffer::holds(const BlockName& key) const {
   const MutexLock lock(blocks_.mutex);
+  // Packed blocks count as held: they need no reading.
   if (cold_by_key_.contains(key)) return true;
   const EntryPtr entry = blocks_.find(key);
   return entry != nullptr && entry->state == Blocks::Entry::State::kResident;

@@ -12,6 +12,7 @@ namespace {
 Box3 blocksAround(const BlockLayout& layout, const Box3& voxels) {
   Box3 blocks;
   for (int a = 0; a < 3; ++a) {
+    // A voxel on a plane between two blocks belongs to both, so the block before it counts, too.
     blocks.lo[a] = std::max<int64_t>(0, voxels.lo[a] - 1) / layout.cells();
     blocks.hi[a] = std::min(layout.grid[a], (voxels.hi[a] - 1) / layout.cells() + 1);
   }
@@ -42,6 +43,8 @@ std::vector<int64_t> candidateBlocks(const BlockLayout& layout,
     for (size_t i = 0; i < blocks.size(); ++i) blocks[i] = static_cast<int64_t>(i);
     return blocks;
   }
+  // A bit for each block of the volume, which drops repeats at no cost. Too many blocks have no
+  // room for that.
   if (layout.blockCount() <= NumberSet::kMostNumbers) {
     NumberSet found(layout.blockCount());
     eachRow(layout, occupancy->boxes, [&](int64_t first, int64_t end) { found.add(first, end); });
@@ -57,6 +60,7 @@ std::vector<int64_t> candidateBlocks(const BlockLayout& layout,
     // Leaves of sparse formats repeat blocks many times over.
     if (blocks.size() > drop_at) {
       dropRepeats();
+      // Twice the remaining number, so that sorting takes constant time a block in the mean.
       drop_at = std::max(drop_at, 2 * blocks.size());
     }
   });
@@ -92,7 +96,8 @@ std::vector<PassPiece> runsOf(const BlockLayout& layout, const std::vector<int64
 
 namespace {
 
-// Whether one of `blocks` (ascending) lies in a box of indices.
+// Whether one of `blocks` (ascending) lies in a box of indices. One search a row is enough: if the
+// first block at or behind the row's start is not in the row, none is.
 bool holdsAny(const BlockLayout& layout, const std::vector<int64_t>& blocks, const Box3& box) {
   for (int64_t z = box.lo.z; z < box.hi.z; ++z)
     for (int64_t y = box.lo.y; y < box.hi.y; ++y) {
@@ -116,6 +121,7 @@ std::vector<PassPiece> tilesOf(const BlockLayout& layout, const std::vector<int6
       PassPiece piece;
       piece.own = intersect({{x, y, z}, {x + columns, y + side, z + side}}, boxOf(dims));
       piece.read = piece.own;
+      // Changes are counted from each voxel to the next along x, across the tiles, too.
       if (piece.own.hi.x < dims.x) ++piece.read.hi.x;
       piece.blocks = blocksAround(layout, piece.own);
       if (holdsAny(layout, blocks, piece.blocks)) pieces.push_back(piece);

@@ -36,9 +36,12 @@ void passInTiles(const PassedVoxels& passed, int64_t most_voxels, PassLayers lay
     const bool is_wanted = taker.wantsLayer(z);  // asked first: take() depends on it
     const size_t count = next.size();
     std::vector<PassPiece> tiles = std::move(next);
+    // The next layer's tiles are listed now, so that the source is told of its first ones before
+    // this layer ends.
     next = tilesOf(layout, passed.blocks, side, z + side, most_voxels);
     tiles.insert(tiles.end(), next.begin(), next.end());
     if (layers == PassLayers::kAll || is_wanted) passPieces(passed, tiles, count, take);
+    // All tiles of this layer have been taken: parallelFor() returns after the last.
     taker.layersBefore(std::min(z + side, layout.dims.z));
   }
 }

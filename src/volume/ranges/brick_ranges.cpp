@@ -34,6 +34,7 @@ BrickRanges brickGrid(const Box3& cells) {
   if (cells.empty()) return grid;
   grid.cells = cells;
   const Vec3i size = cells.size();
+  // The least side that gives few enough bricks, by bisection: a longer side never gives more.
   int64_t too_small = 0, enough = std::max({size.x, size.y, size.z});
   while (enough - too_small > 1) {
     const int64_t side = too_small + (enough - too_small) / 2;
@@ -52,6 +53,7 @@ std::vector<bool> reachesBeyond(const BrickRanges& grid, const BlockLayout& layo
         for (int64_t x = box.lo.x; x < box.hi.x; ++x)
           call(static_cast<size_t>((z * bricks.y + y) * bricks.x + x), Vec3i{x, y, z});
   };
+  // A brick reaches beyond the blocks if it overlaps more blocks than were found in the list.
   std::vector<int64_t> found(static_cast<size_t>(volume(bricks)));
   for (const int64_t block : blocks) {
     const Box3 cells = intersect(layout.ownedCells(layout.indexOf(block)), grid.cells);

@@ -11,6 +11,7 @@ namespace {
 
 using Shares = std::array<double, 16>;
 
+// 4 bits if 16 classes are as frequent, less the more uneven they are.
 double entropyBits(const Shares& counts) {
   double all = 0, bits = 0;
   for (const double count : counts) all += count;
@@ -33,6 +34,8 @@ bool neighborsAreUnrelated(const ValueCounts& counts, double counted) {
 // tells nothing. Values over the whole of their type use both parts much alike; their neighbours
 // tell.
 bool partsAreSwapped(const ValueCounts& counts, const Histogram& histogram, double unit) {
+  // Counted from a multiple of 16 units at or below the least value, so that phases are those of
+  // the stored numbers.
   const double least = std::floor(histogram.range.lo / (16 * unit)) * 16 * unit;
   const auto background = std::max_element(histogram.counts.begin(), histogram.counts.end());
   Shares upper{}, lower{};
@@ -46,6 +49,7 @@ bool partsAreSwapped(const ValueCounts& counts, const Histogram& histogram, doub
     lower[std::min<size_t>(15, static_cast<size_t>(phase * 16))] += count;
     counted += count;
   }
+  // An upper part with fewer than 3 of 4 bits is uneven, as in numbers that are read right.
   constexpr double kEnough = 1000, kEven = 3, kDifference = 1, kLeastDifference = 0.1;
   if (counted < kEnough || entropyBits(upper) < kEven) return false;
   const double difference = entropyBits(upper) - entropyBits(lower);

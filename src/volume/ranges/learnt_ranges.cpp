@@ -30,6 +30,7 @@ template <class T>
 SliceRanges withBlocks(const SliceRanges& known,
                        const std::map<int64_t, std::vector<std::byte>>& fresh) {
   SliceRanges all = known;
+  // A fresh block is known from now on, background or not.
   std::erase_if(all.unknown, [&](int64_t block) { return fresh.contains(block); });
   all.blocks.clear();
   all.totals.clear();
@@ -52,6 +53,7 @@ SliceRanges withBlocks(const SliceRanges& known,
     PlaneRange<T> total{};
     std::memcpy(&total, arrays.data(), sizeof total);
     const T background = static_cast<T>(known.background);
+    // Ranges that are not listed hold all known blocks, because their background is not known yet.
     if (known.is_listed && total.lo == background && total.hi == background) continue;
     add(block, arrays.data(), arrays.data() + total_bytes);
   }
@@ -69,6 +71,8 @@ void LearntRanges::note(const BlockName& name, const VolumeBlock& block) {
     known = known_;
     if (bytes_ >= kMostBytes || known->isKnown(name.block) || fresh_.contains(name.block)) return;
   }
+  // The ranges are made without the lock, since other threads read blocks meanwhile. Two threads
+  // may make those of one block.
   Arrays bytes = visitDeviceType(block.type, [&](auto tag) {
     const auto arrays = arraysOf<decltype(tag)>(known->layout, name.block, block);
     const auto raw = std::as_bytes(std::span(arrays));
@@ -76,6 +80,7 @@ void LearntRanges::note(const BlockName& name, const VolumeBlock& block) {
   });
   const MutexLock lock(mutex_);
   const uint64_t more = bytes.size();
+  // ranges() may have taken it over in between.
   if (known_->isKnown(name.block)) return;
   if (fresh_.emplace(name.block, std::move(bytes)).second) bytes_ += more;
 }

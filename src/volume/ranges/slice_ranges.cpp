@@ -35,6 +35,7 @@ uint64_t voxelsOf(const BlockLayout& layout) {
 
 int64_t blocksPerRead(const BlockLayout& layout, size_t voxel_bytes, uint64_t thread_bytes) {
   const auto bytes = static_cast<int64_t>(std::min(kBytesPerRead, thread_bytes));
+  // Neighbours share planes, so that a block of a run adds its own cells alone.
   const int64_t block_bytes = volume(Vec3i{layout.cells(), layout.cells(), layout.cells()}) *
                               static_cast<int64_t>(voxel_bytes);
   return std::max<int64_t>(1, bytes / block_bytes);
@@ -57,6 +58,8 @@ struct WorkSpace {
     const VoxelType type = source.layout().type;
     const Vec3i size = piece.read.size();
     const auto count = static_cast<size_t>(piece.read.count());
+    // Stored voxels as large as device voxels are converted in place. Doubles need room of their
+    // own.
     const bool is_in_place = bytesPerVoxel(type) == sizeof(T);
     const std::span<std::byte> in_place = std::as_writable_bytes(room(count));
     const std::span<std::byte> read =
@@ -133,6 +136,7 @@ class Builder {
         work->histogram.add(row, own.x);
         work->histogram.addChanges(row, size.x);
       }
+    // Passed on to the next piece of any thread, and asked for its counts in finish().
     const MutexLock lock(mutex_);
     idle_.push_back(std::move(work));
   }
@@ -153,6 +157,7 @@ class Builder {
     }
     if (seen.lo <= seen.hi)
       result_.device_range = {static_cast<double>(seen.lo), static_cast<double>(seen.hi)};
+    // Voxels of blocks that were not read are all background.
     const uint64_t all = voxelsOf(result_.layout), counted = histogram.total();
     if (all > counted) histogram.add(background(), all - counted);
     result_.counts = histogram.finish(result_.device_range);
@@ -183,6 +188,7 @@ class Builder {
     for (int64_t z = blocks.lo.z; z < blocks.hi.z; ++z)
       for (int64_t y = blocks.lo.y; y < blocks.hi.y; ++y)
         takeRow(piece, {{blocks.lo.x, y, z}, {blocks.hi.x, y + 1, z + 1}}, voxels, work, parts);
+    // One lock a piece: other pieces may hold parts of the same blocks.
     const int64_t planes = result_.layout.planes();
     const MutexLock lock(mutex_);
     for (size_t i = 0; i < parts.size(); ++i) {
@@ -196,7 +202,8 @@ class Builder {
     }
   }
 
-  // The ranges of one row of the piece's blocks, which are added to those of `work`.
+  // The ranges of one row of the piece's blocks, which are added to those of `work`. The blocks are
+  // taken together: rows of one block, 62 bytes of u8, left vector units half full.
   void takeRow(const PassPiece& piece, const Box3& row, const T* voxels, WorkSpace<T>& work,
                std::vector<Part>& parts) {
     const Vec3i size = piece.read.size();
@@ -205,6 +212,7 @@ class Builder {
       const Vec3i at = box.lo - piece.read.lo;
       return voxels + (at.z * size.y + at.y) * size.x + at.x;
     };
+    // Blocks outside the stored boxes are not in the list, so that rows may have gaps.
     eachHeld(row, [&](size_t held, Vec3i index) {
       const Box3 whole = result_.layout.ownedVoxels(index), part = intersect(whole, piece.read);
       parts.push_back({held, part.lo - whole.lo, part});
@@ -227,6 +235,8 @@ class Builder {
     for (size_t i = before; i < parts.size(); ++i) {
       const PlaneRange<T> total = work.totals[i];
       const Box3& part = parts[i].box;
+      // kLargest stands for infinities and for values beyond it. Only the stored voxels tell which,
+      // and few blocks have any.
       widen(work.seen, numbersOf(total, firstVoxel(part), part.size(), size));
       if constexpr (std::is_same_v<T, float>) {
         const bool may_be = total.hi >= kLargest || total.lo <= -kLargest;
@@ -242,6 +252,8 @@ class Builder {
     const BlockLayout& layout = result_.layout;
     for (int64_t z = blocks.lo.z; z < blocks.hi.z; ++z)
       for (int64_t y = blocks.lo.y; y < blocks.hi.y; ++y) {
+        // The list has only candidates, in ascending order: those of the row follow each other in
+        // it.
         const int64_t first = layout.idOf({blocks.lo.x, y, z}), end = first + blocks.size().x;
         for (auto it = std::lower_bound(result_.blocks.begin(), result_.blocks.end(), first);
              it != result_.blocks.end() && *it < end; ++it)
@@ -266,6 +278,8 @@ class Builder {
   }
 
   double mostCommonUniform() const {
+    // The most common uniform value, so that the most blocks need not be held. Of equals the least,
+    // as the map is ordered: the result does not depend on threads.
     std::map<T, int64_t> counts;
     for (size_t i = 0; i < totals_.size(); ++i)
       if (isUniform(i)) ++counts[totals_[i].lo];
@@ -280,6 +294,7 @@ class Builder {
   }
 
   void keepOnlyNonBackground() {
+    // Compacts all three arrays in place, so that the pass needs no second copy of them.
     size_t kept = 0;
     for (size_t i = 0; i < totals_.size(); ++i) {
       if (isUniform(i) && totals_[i].lo == background()) continue;
@@ -327,6 +342,7 @@ std::shared_ptr<const SliceRanges> listedRanges(std::shared_ptr<const SliceRange
   auto listed = std::make_shared<SliceRanges>(*ranges);
   listed->is_listed = true;
   const std::optional<Occupancy> occupancy = source.occupancy(time);
+  // Any block of a source without a listing may hold something: all of them stay unknown.
   if (!occupancy) return listed;
   listed->background = *backgroundOf(source, occupancy);
   const std::vector<int64_t> candidates = candidateBlocks(ranges->layout, occupancy);
@@ -352,6 +368,7 @@ SliceRanges buildSliceRanges(VolumeSource& source, int64_t time, const BlockLayo
   result.blocks = candidateBlocks(layout, occupancy);
   const size_t stored_bytes = bytesPerVoxel(source.layout().type);
   const size_t voxel_bytes = stored_bytes + bytesPerVoxel(result.map.type);
+  // A thread's voxels as they are stored and as device voxels are held at the same time.
   const uint64_t thread_bytes = most_bytes / static_cast<uint64_t>(pool.threads());
   const PassedVoxels passed{source, time, layout, result.blocks, pool, stop};
   visitDeviceType(result.map.type, [&](auto tag) {
@@ -360,6 +377,8 @@ SliceRanges buildSliceRanges(VolumeSource& source, int64_t time, const BlockLayo
       builder.takePiece(piece, taker);
       progress.add(static_cast<uint64_t>(piece.own.count()) * stored_bytes);
     };
+    // Without a taker any pieces will do, and runs of blocks read only what may differ from the
+    // background.
     if (taker == nullptr) {
       const std::vector<PassPiece> runs =
           runsOf(layout, result.blocks, blocksPerRead(layout, voxel_bytes, thread_bytes));

@@ -33,6 +33,7 @@ void DeviceReader::readInPlace(int64_t time, std::span<const RegionRead> regions
 }
 
 void DeviceReader::readThroughScratch(int64_t time, const RegionRead& region) {
+  // Stored voxels are larger than their place in `out`, so that they come in slabs of planes.
   const VoxelType type = source_.layout().type;
   const Box3& box = region.box;
   const size_t device_bytes = region.out.size() / static_cast<size_t>(box.count());

@@ -20,9 +20,11 @@ auto convert(Stored v) {
   } else if constexpr (std::is_same_v<Stored, int16_t>) {
     return static_cast<uint16_t>(v + 32768);
   } else if constexpr (std::is_integral_v<Stored>) {
+    // Rounded to 24 bits. A neighbouring integer may get the same float.
     return static_cast<float>(v);
   } else {
     if (std::isnan(v)) return kNotANumber;
+    // Infinities are clamped, too, so that interpolation has no undefined sums.
     return static_cast<float>(std::clamp<double>(v, -kLargest, kLargest));
   }
 }
@@ -72,6 +74,7 @@ ValueMap deviceMap(const VolumeLayout& layout) {
     if (std::is_same_v<Device, uint16_t>) return DeviceType::kU16;
     return DeviceType::kF32;
   });
+  // The map absorbs the shift, so that values stay the file's.
   const double shift = static_cast<double>(shiftOf(layout.type));
   return {type, layout.value_scale, layout.value_offset - shift * layout.value_scale};
 }
