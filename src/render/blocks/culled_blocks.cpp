@@ -56,9 +56,11 @@ VisibleBlocksPtr CulledBlocks::choose(const BlockQuestion& question) {
   const VisibleBlocksPtr all = classified_.choose(question);
   const bool same_view =
       asked_ && isSame(asked_->view, question.view) && asked_->crop == question.crop;
+  // The same answer object keeps the plan that follows from it.
   if (same_view && asked_->classified == Identity<VisibleBlocks>(all)) return answer_;
   SLUICE_CHECK_EQ(question.step.ranges->layout.cells(), series_->block_cells);
   Stopwatch watch;
+  // The estimate belongs to the view. Of the step before, it keeps what did not change (Gao 2004).
   if (!same_view || !estimate_) {
     EstimateOptions estimate{
         options_.form, options_.opacity_threshold, {question.crop}, {}, options_.exponent};
@@ -72,6 +74,7 @@ VisibleBlocksPtr CulledBlocks::choose(const BlockQuestion& question) {
   std::vector<bool> reached(static_cast<size_t>(series_->blockCount()));
   for (size_t block = 0; block < reached.size(); ++block)
     reached[block] = estimate_->reaches(static_cast<int64_t>(block));
+  // Ranks estimate different tiles of the picture and put together what they reach.
   if (options_.exchange) options_.exchange(question.step.time, reached);
   auto chosen = std::make_shared<VisibleBlocks>();
   chosen->white = all->white;
@@ -80,6 +83,7 @@ VisibleBlocksPtr CulledBlocks::choose(const BlockQuestion& question) {
     (block.kind == BlockClass::kBlack ? chosen->black : chosen->grey) += 1;
     chosen->blocks.push_back(block);
   }
+  // The counts of the step before are still asked for, after the next step was read ahead.
   before_ = counts_;
   counts_ = {question.step.time,
              static_cast<int64_t>(all->blocks.size()),

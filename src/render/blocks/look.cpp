@@ -14,6 +14,7 @@ LookUp lookUp(const OpacityTable& table, double finest_spacing) {
   result.interpolates = table.mustInterpolate();
   result.rgba = table.rgba();
   for (const double magnitude : table.magnitudes())
+    // The table has magnitudes per voxel length, devices have gradients per world unit.
     result.magnitudes.push_back(magnitude / finest_spacing);
   result.factors = table.factors();
   result.labels = table.labels();
@@ -28,6 +29,7 @@ Look makeLook(const TimeStep& step, TransferFunction transfer, Mode mode) {
   }
   OpacityTable table(transfer, step.ranges->map, step.ranges->device_range);
   LookUp look_up = lookUp(table, finestSpacing(step.source->layout()));
+  // A spread beside anything but a mean is no distribution that the look could be expected over.
   const bool has_spreads = std::ranges::any_of(step.coarser, [](const CoarserStep& level) {
     return level.spreads != nullptr && level.valuesShown() == LevelValues::kMeans;
   });

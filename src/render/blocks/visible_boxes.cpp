@@ -33,12 +33,15 @@ class VisibleBoxes::Maker {
   std::optional<Part> make(int32_t at) {
     const TreeNode& node = tree_.nodes[static_cast<size_t>(at)];
     if (node.isLeaf()) return leaf(tree_.boxes[static_cast<size_t>(node.box)]);
+    // If one box is cheaper than the parts, nodes and boxes are cut back to these lengths.
     const size_t nodes = to_.nodes_.size(), boxes = to_.boxes_.size();
     const std::optional<Part> lower = make(node.lower), upper = make(node.upper);
     if (!lower) return upper;
     if (!upper) return lower;
     const Box3 hull = unite(lower->hull, upper->hull);
     const double apart = lower->cost + upper->cost;
+    // Both parts' boxes are dropped, and their hull is drawn instead: it has more cells and fewer
+    // rays to set up.
     if (cost_.of(hull) <= apart) {
       to_.nodes_.resize(nodes);
       to_.boxes_.resize(boxes);
@@ -58,10 +61,12 @@ class VisibleBoxes::Maker {
   Part box(const Box3& cells) {
     Cells drawn;
     for (int a = 0; a < 3; ++a) {
+      // Cells of a block take 16 bits, since the boxes of a whole picture are kept.
       drawn.lo[static_cast<size_t>(a)] = static_cast<uint16_t>(cells.lo[a]);
       drawn.hi[static_cast<size_t>(a)] = static_cast<uint16_t>(cells.hi[a]);
     }
     to_.boxes_.push_back(drawn);
+    // A complement marks a box, so that a position and its kind fit one number.
     return {~(static_cast<int32_t>(to_.boxes_.size()) - 1), cells, cost_.of(cells)};
   }
 

@@ -23,6 +23,7 @@ struct Sphere {
 
 Sphere sphereAround(const VolumeLayout& layout) {
   const Vec3d outer = toDouble(layout.dims - Vec3i{1, 1, 1});
+  // The sphere touches all corners, so that no view of it cuts the volume off.
   Sphere sphere{worldFromIndex(layout, outer * 0.5), 0};
   for (int corner = 0; corner < 8; ++corner) {
     const Vec3d index{(corner & 1) != 0 ? outer.x : 0, (corner & 2) != 0 ? outer.y : 0,
@@ -48,6 +49,7 @@ Orbit orbitOf(const Camera& camera, const VolumeLayout& layout, PictureSize size
     return orbit;
   }
   const ViewAxes axes = axesOf(camera, layout.frame);
+  // The sphere touches the sides of the picture at this distance.
   double distance = sphere.radius / std::sin(half_angle);
   orbit.target = sphere.center;
   if (camera.framing) {
@@ -60,6 +62,7 @@ Orbit orbitOf(const Camera& camera, const VolumeLayout& layout, PictureSize size
   }
   orbit.up = axes.up;
   if (camera.framing) {
+    // The framing leaves room on two sides: the target moves by shares of half the picture.
     const double half = orbit.half_height / camera.zoom * (perspective ? distance : 1);
     const double aspect = static_cast<double>(size.width) / size.height;
     orbit.target = orbit.target - axes.right * (camera.framing->right * half * aspect) -
@@ -84,6 +87,7 @@ void requireValid(const Camera& camera, PictureSize size) {
   if (!(camera.field_of_view_deg >= kLeastFieldOfViewDeg && camera.field_of_view_deg < 180))
     failRequest("a field of view of {} degrees: must be at least {} and below 180",
                 camera.field_of_view_deg, kLeastFieldOfViewDeg);
+  // Infinite angles would give axes of NaN.
   if (!std::isfinite(camera.azimuth_deg))
     failRequest("an azimuth of {} degrees: must be finite", camera.azimuth_deg);
   if (!std::isfinite(camera.elevation_deg))
@@ -110,6 +114,7 @@ View resolve(const Camera& camera, const VolumeLayout& layout, PictureSize size,
   requireFinite(orbit.up, "up direction");
   const Vec3d toward = orbit.target - orbit.eye;
   if (!(length(toward) > 0)) failRequest("the camera's eye lies on its target");
+  // Parallel to 1e-9: the right direction would be noise.
   const Vec3d side = cross(toward, orbit.up);
   if (!(length(side) > 1e-9 * length(toward) * length(orbit.up)))
     failRequest("the camera's up direction lies along its view");
@@ -136,6 +141,7 @@ View resolve(const Camera& camera, const VolumeLayout& layout, PictureSize size,
   // Beyond this limit the devices, which count slices in floats, would silently leave some out.
   constexpr double kMostSlices = 1 << 24;
   const double slices = (last_depth - view.first_depth) / view.step;
+  // A hundredth more than needed, for the rounding of the step that the message gives.
   const double step_needed = 1.01 * step_vox * slices / kMostSlices;
   const Vec3d& spacing = layout.spacing;
   // With even voxels the step would do.

@@ -74,6 +74,7 @@ double reachAround(std::span<const Vec3d> points, const Lens& lens, Vec3d target
   double reach = 0;
   for (const Vec3d& point : points) {
     const Vec3d p = lens.seen(point - target);
+    // In perspective a point in front of the target needs its own depth, too.
     const double side = std::max(std::abs(p.x) / lens.tan_x, std::abs(p.y) / lens.tan_y);
     reach = std::max(reach, lens.perspective ? p.z + side : side);
   }
@@ -84,6 +85,7 @@ double reachAround(std::span<const Vec3d> points, const Lens& lens, Vec3d target
 // far from the middle: (a - s) / depth_a = -(b - s) / depth_b.
 double offMiddle(const std::vector<Vec3d>& seen, int axis, double reach) {
   Vec3d first = seen.front(), last = seen.front();
+  // A point at the eye has no depth: the bound keeps the quotient finite.
   const auto depth = [reach](Vec3d p) { return std::max(reach - p.z, 1e-9 * reach); };
   for (const Vec3d& p : seen) {
     if (p[axis] / depth(p) < first[axis] / depth(first)) first = p;
@@ -95,6 +97,7 @@ double offMiddle(const std::vector<Vec3d>& seen, int axis, double reach) {
 // In perspective, near points spread wider: moves the target until both sides are as free.
 Vec3d centred(std::span<const Vec3d> points, const Lens& lens, Vec3d target) {
   constexpr int kRounds = 12;
+  // Each round changes which points are outermost, so that it is repeated.
   for (int round = 0; lens.perspective && round < kRounds; ++round) {
     const double reach = reachAround(points, lens, target);
     std::vector<Vec3d> seen;
@@ -129,6 +132,7 @@ void VisibleHull::add(const Box3& cells) {
   for (Farthest& farthest : farthest_) {
     Vec3d corner;
     for (int a = 0; a < 3; ++a) corner[a] = farthest.along[a] > 0 ? hi[a] : lo[a];
+    // Of two corners as far, the first is kept, so that shared corners are listed once.
     const double far = dot(corner, farthest.along);
     if (far <= farthest.far) continue;
     farthest.far = far;
@@ -152,6 +156,7 @@ std::optional<Framing> framingOf(std::span<const Vec3d> points, std::span<const 
   std::vector<Lens> lenses;
   std::optional<Lens> first;
   for (const Camera& camera : cameras) {
+    // A camera that looks at a point frames itself.
     requireValid(camera, size);
     if (camera.look_at) continue;
     lenses.push_back(lensOf(camera, frame, size, room));
@@ -161,12 +166,14 @@ std::optional<Framing> framingOf(std::span<const Vec3d> points, std::span<const 
   }
   if (points.empty() || !first) return std::nullopt;
   Framing framing{middleOf(points, *first)};
+  // Centring depends on the camera, and several cameras share one target.
   if (lenses.size() == 1) framing.target = centred(points, *first, framing.target);
   framing.right = -room.right;
   framing.up = room.bottom;
   framing.reach = 0;
   for (const Lens& lens : lenses)
     framing.reach = std::max(framing.reach, reachAround(points, lens, framing.target));
+  // A single point has no extent to be framed.
   return framing.reach > 0 ? std::optional(framing) : std::nullopt;
 }
 

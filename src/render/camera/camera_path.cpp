@@ -40,6 +40,7 @@ CameraKey parseKey(const json& key, const std::string& where) {
     fail("{}: should be an object such as {{\"at\": 0, \"azimuth\": 30}}", where);
   constexpr std::array<std::string_view, 8> kFields = {"at",  "azimuth", "elevation", "zoom",
                                                        "fov", "eye",     "target",    "up"};
+  // Misspelt fields would otherwise be ignored without a word.
   for (const auto& [field, value] : key.items())
     if (std::find(kFields.begin(), kFields.end(), field) == kFields.end())
       fail("{}: \"{}\" is not known; at, azimuth, elevation, zoom, fov, eye, target, up are", where,
@@ -74,6 +75,7 @@ CameraKey parseKey(const json& key, const std::string& where) {
 }
 
 Pose poseAfter(const Pose& before, const CameraKey& key) {
+  // A key gives only what changes.
   Pose pose = before;
   pose.azimuth_deg = key.azimuth_deg.value_or(before.azimuth_deg);
   pose.elevation_deg = key.elevation_deg.value_or(before.elevation_deg);
@@ -94,7 +96,9 @@ Pose between(const Pose& a, const Pose& b, double share) {
   pose.azimuth_deg = mix(a.azimuth_deg, b.azimuth_deg, share);
   pose.elevation_deg = mix(a.elevation_deg, b.elevation_deg, share);
   pose.field_of_view_deg = mix(a.field_of_view_deg, b.field_of_view_deg, share);
+  // Zoom is a ratio: equal parts of the way are equal factors.
   pose.zoom = a.zoom * std::pow(b.zoom / a.zoom, share);
+  // Between two keys only if both have it: a camera that one key alone places cannot be halfway.
   if (a.look_at && b.look_at) {
     pose.look_at->eye = mix(a.look_at->eye, b.look_at->eye, share);
     pose.look_at->target = mix(a.look_at->target, b.look_at->target, share);
@@ -129,12 +133,14 @@ CameraPath readCameraPath(const std::filesystem::path& path, const StopToken& st
 }
 
 Camera cameraAt(const CameraPath& path, const Camera& start, int64_t frame, int64_t frames) {
+  // A single frame shows the beginning.
   const double at = frames > 1 ? static_cast<double>(frame) / static_cast<double>(frames - 1) : 0;
   Pose pose{start.azimuth_deg,       start.elevation_deg, start.zoom,
             start.field_of_view_deg, start.look_at,       start.up};
   Pose before = poseAfter(pose, path.keys.front());
   double before_at = path.keys.front().at;
   pose = before;
+  // Keys behind `at` have no part in it, so that the walk ends at the first of them.
   for (size_t i = 1; i < path.keys.size() && before_at < at; ++i) {
     const Pose after = poseAfter(before, path.keys[i]);
     const double after_at = path.keys[i].at;

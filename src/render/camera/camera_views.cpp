@@ -22,10 +22,13 @@ ViewAxes axesOf(Vec3d up, Vec3d back) {
 ViewAxes frontOf(WorldFrame frame) {
   switch (frame) {
     case WorldFrame::kRas:
+      // RAS: x to the right, y to the front, z up: the front of a patient is seen from +y.
       return axesOf({0, 0, 1}, {0, 1, 0});
     case WorldFrame::kLps:
+      // LPS: y points to the back.
       return axesOf({0, 0, 1}, {0, -1, 0});
     case WorldFrame::kPictureRows:
+      // Rows of pictures go down, and slices away from the viewer.
       return axesOf({0, -1, 0}, {0, 0, -1});
     case WorldFrame::kNone:
     case WorldFrame::kYUp:

@@ -29,6 +29,7 @@ std::vector<Vec3d> clippedCorners(const Box3& box, std::span<const ClipPlane> pl
     faces.push_back({normal * -1.0, -static_cast<double>(box.lo[a])});
   }
   for (const ClipPlane& plane : planes) {
+    // Normals of one length, so that the tolerance is a distance.
     const double scale = length(plane.normal);
     if (scale > 0) faces.push_back({plane.normal / scale, plane.offset / scale});
   }

@@ -47,6 +47,7 @@ RayGrid raysOf(const View& view, const VolumeLayout& layout) {
 
 // A row that takes dot(world - eye, along) from an index position.
 std::array<double, 4> rowOf(const View& view, const VolumeLayout& layout, Vec3d along) {
+  // World = origin + axes * spacing * index, so that the dot product is linear in the index.
   std::array<double, 4> row{};
   for (size_t a = 0; a < 3; ++a)
     row[a] = dot(layout.axes[a], along) * layout.spacing[static_cast<int>(a)];
@@ -57,6 +58,8 @@ std::array<double, 4> rowOf(const View& view, const VolumeLayout& layout, Vec3d 
 // The first slice in front of a perspective eye.
 int64_t firstSlice(const View& view) {
   if (view.projection == Projection::kOrtho || view.first_depth > 0) return 0;
+  // Slices lie at (k + 1/2) steps from the volume's corner on the eye's side. Those behind the eye
+  // are left out.
   return static_cast<int64_t>(std::floor(-view.first_depth / view.step - 0.5)) + 1;
 }
 
@@ -122,6 +125,7 @@ FrameSetup setupOf(const View& view, const VolumeLayout& layout, const OpacityTa
   setup.rays = raysBeside(setup.rays, options.ray_shift);
   setup.opacity_threshold = rayThreshold(options);
   setup.with_depth = options.with_depth;
+  // Extremes and averages keep their exact values: neither fog nor jitter applies to them.
   if (traitsOf(setup.mode).has_colors) {
     setup.depth_cueing = options.depth_cueing;
     setup.jitter = options.jitter;
@@ -129,6 +133,7 @@ FrameSetup setupOf(const View& view, const VolumeLayout& layout, const OpacityTa
   setup.shades_every_sample = options.shades_every_sample;
   setup.skips = options.skips && !options.shades_every_sample;
   setup.lighting = options.lighting;
+  // Gradients are covectors: from index to world they are divided by the spacing.
   for (size_t a = 0; a < 3; ++a) {
     const Vec3d gradient = layout.axes[a] / layout.spacing[static_cast<int>(a)];
     setup.camera_gradient[a] = {dot(gradient, view.right), dot(gradient, view.up),
@@ -136,6 +141,7 @@ FrameSetup setupOf(const View& view, const VolumeLayout& layout, const OpacityTa
   }
   const ValueRange range = table.volumeRange();
   setup.flat = options.lighting.flat_share * (range.hi - range.lo) / finestSpacing(layout);
+  // Labels are no quantities: their flat places are judged by differences of opacity.
   if (table.labels()) setup.flat = kFlatOpacity / finestSpacing(layout);
   return setup;
 }
@@ -162,6 +168,7 @@ FrameSetup viewSetup(const View& view, const VolumeLayout& layout,
   setup.projection = view.projection;
   setup.rays = raysOf(view, layout);
   const auto [right, up] = frustumOf(view);
+  // Divided by the squared length, so that the edge of the picture is at 1.
   setup.clip_from_index[0] = rowOf(view, layout, right / dot(right, right));
   setup.clip_from_index[1] = rowOf(view, layout, up / dot(up, up));
   if (view.projection == Projection::kPerspective) {
@@ -169,6 +176,7 @@ FrameSetup viewSetup(const View& view, const VolumeLayout& layout,
     setup.tan_half_x = length(right);
     setup.tan_half_y = length(up);
   } else {
+    // A parallel view has no perspective: w is 1.
     setup.clip_from_index[2] = {0, 0, 0, 1};
   }
   setup.first_slice = firstSlice(view);

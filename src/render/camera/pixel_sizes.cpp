@@ -19,6 +19,7 @@ double PixelSizes::of(const LevelLayout& level, const Box3& cells) const {
   double widest = 0;
   for (int a = 0; a < 3; ++a)
     widest = std::max(widest, volume_.spacing[a] * level.placement.scale[a]);
+  // At the eye a pixel has no width: any voxel is too coarse.
   return *pixel > 0 ? widest / *pixel : kUnbounded;
 }
 
@@ -38,6 +39,7 @@ std::optional<double> PixelSizes::smallestPixel(const Box3& cells) const {
       at[a] = static_cast<double>((corner >> a & 1) != 0 ? cells.hi[a] : cells.lo[a]);
     const Vec3d from_eye = worldFromIndex(volume_, at) - view_.eye;
     const double depth = dot(from_eye, view_.forward);
+    // The sides are planes through the eye, so that the test holds for corners behind it, too.
     const double half = view_.half_height * (is_perspective ? depth : 1);
     const double x = dot(from_eye, view_.right), y = dot(from_eye, view_.up);
     right = right && x > aspect_ * half;
@@ -50,6 +52,7 @@ std::optional<double> PixelSizes::smallestPixel(const Box3& cells) const {
   if (right || left || above || below) return std::nullopt;
   const double pixel = 2 * view_.half_height / view_.size.height;
   if (!is_perspective) return pixel;
+  // All of the box lies behind the eye.
   if (farthest <= 0) return std::nullopt;
   return pixel * std::max(0.0, nearest);
 }

@@ -10,6 +10,7 @@ namespace sluice {
 namespace {
 
 constexpr int64_t kSide = 64;  // texels: 256 KiB, the size of a block of the default page
+// A number that no session gives out.
 constexpr uint64_t kChunk = UINT64_MAX - 1;
 constexpr int kWarmFrames = 2;
 
@@ -26,6 +27,7 @@ ChunkTexelsPtr texels() {
   chunk->storage_vox = {kSide, kSide, kSide};
   chunk->byte_count = static_cast<size_t>(kSide * kSide * kSide);
   chunk->bytes = std::make_shared<std::byte[]>(chunk->byte_count);
+  // A generator of its own: the same texels on all machines.
   uint32_t state = 1;
   for (std::byte& byte : chunk->span()) {
     state = state * 1664525U + 1013904223U;
@@ -64,11 +66,13 @@ SamplingRate samplingLimit(Device& device, PictureSize size, int frames) {
       seconds.push_back(watch.seconds());
       processor_seconds.push_back(processorSeconds() - processor_before);
     }
+    // Counted once, outside the timed frames.
     if (i == -1) samples = device.countSamples({&box, 1});
   }
   device.evict(kChunk);
   const auto rateOf = [samples](std::vector<double>& times) {
     std::ranges::sort(times);
+    // The median, since single frames are disturbed by others on the machine.
     return static_cast<double>(samples) / times[times.size() / 2];
   };
   return {rateOf(seconds), rateOf(processor_seconds)};

@@ -17,6 +17,7 @@ namespace {
 Arrangement arrangementOf(const FramePlan& plan, const FrameOptions& options,
                           const TextureCache& cache) {
   if (options.occlusion == Occlusion::kOff) return Arrangement::kRows;
+  // If all chunks of the picture fit the cache, the layers may go across all clusters.
   const bool is_there_at_once = plan.pages <= static_cast<int64_t>(cache.capacityPages());
   return is_there_at_once ? Arrangement::kWhole : Arrangement::kLayers;
 }

@@ -40,6 +40,7 @@ bool FrameOcclusion::hides(const Box3& cells) const {
 std::optional<Box3> FrameOcclusion::visible(const Box3& cells) {
   report_.cells += cells.count();
   last_drawn_ = cells.count();
+  // Nothing hides anything before the first update.
   if (!map_.valid()) return cells;
   const Box3 shown = shownPart(cells);
   hidden_cells_ += cells.count() - shown.count();
@@ -62,6 +63,8 @@ Box3 FrameOcclusion::shownPart(const Box3& cells) const {
       clip(projection_, box, map_.visiblePart(project(projection_, box), threshold_));
   Box3 shown;
   for (int a = 0; real && a < 3; ++a) {
+    // Outwards to whole cells, since boxes consist of cells: a clipped box draws no less than what
+    // shows.
     shown.lo[a] =
         std::max(cells.lo[a], static_cast<int64_t>(std::floor(real->lo[a] - kMarginCells)));
     shown.hi[a] =
@@ -80,6 +83,8 @@ MapGrid FrameOcclusion::grid() const {
   MapGrid grid;
   grid.side = map_.side();
   const MapProjection& p = projection_;
+  // A place (i, j) on the map lies at u0 + i / u_scale and v0 + j / v_scale on the map's plane,
+  // which a row takes to clip space.
   for (size_t i = 0; i < 3; ++i) {
     const auto& row = clip_from_index_[i];
     const auto at = [&row](int axis) { return row[static_cast<size_t>(axis)]; };

@@ -31,6 +31,7 @@ FrameRun::FrameRun(FrameValues values, Residency& residency, Device& device, Tra
       trace_(trace),
       number_(number),
       last_(lessons),
+      // The number of updates adapts to what one kind of occlusion hides. Another kind starts anew.
       updates_(lessons.occlusion == options_.occlusion ? lessons.updates
                                                        : UpdateCount(lessons.updates.options())) {}
 
@@ -48,6 +49,7 @@ FrameRun::~FrameRun() {
 Picture FrameRun::draw() {
   const FramePlan& plan = *values_.plan;
   device_.beginFrame(values_.setup, options_.stop);
+  // Before the reading begins, which asks it what is hidden.
   startOcclusion();
   const ReadPurpose purpose{tally_, options_.stop};
   if (values_.boxes != nullptr) {
@@ -56,6 +58,7 @@ Picture FrameRun::draw() {
     boxes_->begin([this](BlockPosition block) { return isHidden(block); });
   }
   ahead_ = std::make_unique<ReadAhead>(residency_, values_.plan, *values_.order, purpose, needs());
+  // A frame that was stopped may have left chunks pinned.
   residency_.unpinAll();
   const Deadline deadline = this->deadline();
   size_t visit = 0;
@@ -67,9 +70,12 @@ Picture FrameRun::draw() {
   while (const auto taken = ahead_->take(deadline)) {
     options_.stop.throwIfStopped();
     makeResident(*taken);
+    // The last chunk of the frame is there: the readers are free for the next step.
     if (ahead_->isDone()) tellRead();
+    // A cluster may take several steps. It is drawn when all of its chunks are there.
     if (!taken->step.completes_cluster) continue;
     const Visit& now = values_.order->visits[visit++];
+    // A visit that does not draw leaves its chunks pinned for the one that does.
     if (now.draws) {
       drawBlocks(now.blocks);
       residency_.unpinAll();
@@ -160,6 +166,7 @@ void FrameRun::drawBlock(BlockPosition position) {
   }
   const Vec3i first = values_.boxes->firstCell(position);
   const EyePosition& eye = values_.order->eye;
+  // The boxes of a tree lie in cells of their block.
   const BoxEye from{eye.parallel, eye.parallel ? eye.index : eye.index - toDouble(first)};
   boxes->visitFrontToBack(from, [&](const Box3& local) {
     box.cells = translate(local, first);
@@ -175,11 +182,13 @@ void FrameRun::drawBox(ChunkPosition chunk, BoxDraw box) {
     shown_[chunk] = true;
   }
   box.chunk = residency_.idOf(values_.plan->names[chunk]);
+  // Boxes of one chunk follow each other in a list, so that the device binds it once.
   if (pending_.empty() || pending_.back().chunk != box.chunk) {
     if (pending_.size() >= kMostBoxesAtOnce) flushBoxes();
     ++report_.binds;
   }
   pending_.push_back(box);
+  // After the box is in the list, so that the map sees it.
   if (occlusion_ && occlusion_->isUpdateDue()) updateOpacityMap();
 }
 
@@ -198,6 +207,7 @@ void FrameRun::gatherCounters() {
   addCounts(*values_.visible, *values_.plan, *tally_, report_);
   report_.before = last_.blocks;
   if (!occlusion_) return;
+  // The seconds are measured here, the occlusion counts the rest.
   const double seconds = report_.occlusion.seconds;
   report_.occlusion = occlusion_->report();
   report_.occlusion.seconds = seconds;
@@ -226,9 +236,11 @@ FrameLessons FrameRun::lessons() {
   next.updates = updates_;
   if (occlusion_) {
     next.updates.finished({occlusion_->hiddenShare(), report_.occlusion.updates});
+    // The next frame of this plan knows which chunks it will not need.
     next.plan = values_.plan;
     next.shown = std::move(shown_);
   }
+  // Reading of what is missing goes on until the next frame begins.
   if (report_.missing_share > 0) next.unfinished = std::move(ahead_);
   return next;
 }

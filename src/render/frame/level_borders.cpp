@@ -12,6 +12,7 @@ constexpr double kRounding = 1e-6;
 // The cells beside a face that has a border; empty: it has none.
 Box3 cellsBeside(const PyramidLayout& pyramid, const TextureBlock& block, int axis, bool is_upper,
                  const Box3& shown) {
+  // Bits 0 to 2 are the lower faces along x, y and z, bits 3 to 5 the upper ones.
   if ((block.level_faces >> (is_upper ? 3 + axis : axis) & 1U) == 0) return {};
   const Box3 region = pyramid.regionOf(block.name);
   const LevelPlacement& placement = pyramid.of(block.name).placement;
@@ -19,8 +20,10 @@ Box3 cellsBeside(const PyramidLayout& pyramid, const TextureBlock& block, int ax
   const auto most = static_cast<int64_t>(std::ceil(placement.scale[axis] - kRounding));
   Box3 cells = block.cells;
   if (is_upper) {
+    // An object box that ends before the face has no surface there.
     if (block.cells.hi[axis] != region.hi[axis]) return {};
     const double last = placement.finestFromLevel(toDouble(texels.hi - Vec3i{1, 1, 1}))[axis];
+    // A cell needs texels on both of its sides: cells end at the last one.
     const auto end = static_cast<int64_t>(std::floor(last + kRounding));
     cells.lo[axis] = region.hi[axis];
     cells.hi[axis] = std::min(end, region.hi[axis] + most);

@@ -5,6 +5,8 @@
 namespace sluice {
 
 BoxDraw boxDraw(const TexturePlan& textures, const TextureBlock& block) {
+  // From finest voxels to the level's, from these to the chunk's: the maps are put together, axis
+  // by axis.
   const LevelPlacement& level = textures.pyramid.of(block.name).placement;
   BoxDraw box;
   box.cells = block.cells;
@@ -31,6 +33,7 @@ void loadChunks(const ReadAhead::Taken& taken, const FramePlan& plan, ReadAhead&
       if (may_lack) continue;
       texels = ahead.takeOne(chunk);
     }
+    // The trace has the requests in the order in which the model gets them.
     if (request) request(chunk, name);
     const Residency::Made made = residency.makeResident(plan, chunk, texels);
     report.pages_loaded += made.pages;

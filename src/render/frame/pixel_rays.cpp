@@ -42,6 +42,7 @@ std::vector<float> brightnessOf(const LookUp& look_up) {
 std::optional<KeptRay> keptRay(const LookUp& look_up, Mode mode) {
   if (traitsOf(mode).has_colors) return KeptRay::kBrightest;
   if (!isExtreme(mode) || traitsOf(mode).codes_depth) return std::nullopt;
+  // The value that wins must be told from its colour, so that colours have to follow the values.
   const std::vector<float> brightness = brightnessOf(look_up);
   const bool is_greatest = traitsOf(mode).combining == Combining::kGreatest;
   if (std::ranges::is_sorted(brightness))
@@ -54,6 +55,7 @@ std::optional<KeptRay> keptRay(const LookUp& look_up, Mode mode) {
 int raysASide(const TimeStep& step, const VisibleBlocks& visible, const View& view,
               const FrameOptions& options) {
   const bool keeps_thin = options.cut && options.cut->keeps_thin && visible.cut;
+  // A picture with a time limit has no time for more rays.
   if (!keeps_thin || options.time_limit_s) return 1;
   const PyramidLayout pyramid = step.layout();
   const PixelSizes sizes(step.source->layout(), view);
@@ -65,6 +67,7 @@ int raysASide(const TimeStep& step, const VisibleBlocks& visible, const View& vi
   }
   if (least_pixels >= 1) return 1;
   const double pixels = static_cast<double>(view.size.width) * view.size.height;
+  // Bounded in all: a volume seen from far away would ask for ever more.
   const double most = std::max(1.0, std::floor(std::sqrt(kMostRays / pixels)));
   return static_cast<int>(std::min(std::ceil(kRaysAVoxel / least_pixels), most));
 }

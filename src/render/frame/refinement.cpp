@@ -33,6 +33,7 @@ std::vector<CutOptions> cutsTo(const CutOptions& last, int levels, int named) {
   CutOptions cut = last;
   for (int finer = finer_steps; finer > 0; --finer) {
     if (last.level) cut.level = std::min(*last.level + finer, named - 1);
+    // The first cut is the coarsest that there is, whatever the pixel error.
     cut.pixel_error = finer == finer_steps ? std::numeric_limits<double>::infinity()
                                            : std::ldexp(last.pixel_error, finer);
     cuts.push_back(cut);
@@ -44,6 +45,7 @@ std::vector<CutOptions> cutsTo(const CutOptions& last, int levels, int named) {
 uint64_t voxelBytes(const VisibleBlocks& blocks, const TimeStep& step) {
   const PyramidLayout pyramid = step.layout();
   const VoxelType type = step.source->layout().type;
+  // As the volume stores its voxels: CutOptions::most_stored_bytes limits the same bytes.
   uint64_t bytes = 0;
   for (const ObjectBlock& block : blocks.blocks)
     bytes += static_cast<uint64_t>(pyramid.storedVoxels(block.name).count()) *
@@ -69,6 +71,7 @@ Refinement::Refinement(const std::vector<RefinedLayer>& layers, RefinedPainter p
   }
   const PyramidLayout first = layers.front().step.layout();
   int named = first.levels();
+  // Layers that are drawn as one medium have one cut, through the levels that all of them have.
   if (painter_.is_one_medium) {
     for (const RefinedLayer& layer : layers)
       named = std::min(named, levelsInCommon(first, layer.step.layout()));
@@ -91,6 +94,7 @@ Refinement::Planned Refinement::plan(const CutOptions& cut, const double* growth
   planned.options = frame_;
   planned.options.time_limit_s.reset();
   planned.options.cut = cut;
+  // Slices follow the cut, so that a coarse picture takes few samples.
   planned.options.step_vox = painter_.step_of(cut);
   for (size_t i = 0; i < layers_.size(); ++i) {
     Part& part = planned.parts.emplace_back();
@@ -102,9 +106,11 @@ Refinement::Planned Refinement::plan(const CutOptions& cut, const double* growth
   for (size_t i = 0; i < layers_.size(); ++i) {
     const Layer& layer = *layers_[i];
     Part& part = planned.parts[i];
+    // A layer that reads no more than for the last picture needs no limit.
     if (!layer.has_cut || part.bytes <= layer.bytes) continue;
     const auto more = static_cast<double>(part.bytes - layer.bytes);
     uint64_t& most = part.options.cut->most_stored_bytes;
+    // Each layer gets the same share of what it would grow by.
     most = std::min(most, layer.bytes + static_cast<uint64_t>(*growth * more));
     is_less = true;
   }
@@ -148,6 +154,7 @@ bool Refinement::showsAsLast(const Planned& planned) const {
 }
 
 void Refinement::skipSame() {
+  // A finer pixel error that makes the same cut shows the same picture again.
   for (; !isLast(); ++tried_) {
     const Planned planned = plan(cuts_[tried_]);
     if (!showsAsLast(planned) || planned.options.step_vox != shown_.step_vox) return;
@@ -159,6 +166,7 @@ std::optional<Refinement::Planned> Refinement::better() {
   if (isLast()) return std::nullopt;
   Planned planned = plan(cuts_[tried_]);
   const std::optional<double> left_s = deadline_.secondsLeft();
+  // The first picture is drawn whatever it takes, and without a limit all are.
   if (!has_picture_ || !left_s) return planned;
   // Rays take as many more samples as their slices are closer; the rest follows the bytes.
   const double draw_s = draw_s_ * shown_.step_vox / planned.options.step_vox;
@@ -194,6 +202,7 @@ std::optional<Frame> Refinement::next() {
   try {
     frame = painter_.draw();
   } catch (const Interrupted&) {
+    // A stop on the way ends the row with the last whole picture, unless the caller asked to stop.
     chooseAsBefore();
     if (!has_picture_ || deadline_.isStopped()) throw;
     is_over_ = true;
@@ -201,6 +210,7 @@ std::optional<Frame> Refinement::next() {
   }
   chooseAsBefore();
   frame_s_ = watch.seconds();
+  // The stages of several layers may add up to more than the frame.
   draw_s_ = std::min(frame_s_, frame->report.stages.draw);
   for (size_t i = 0; i < layers_.size(); ++i) {
     layers_[i]->blocks = planned->parts[i].blocks;

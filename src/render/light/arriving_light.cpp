@@ -21,13 +21,18 @@ std::vector<float> ambientLight(const VolumeLayout& layout, const CoarseExtincti
   double longest = 0;
   for (int a = 0; a < 3; ++a)
     longest = std::max(longest, layout.spacing[a] * static_cast<double>(layout.dims[a]));
+  // Ambient light dims over a reach that grows with the volume, so that small and large volumes
+  // look alike.
   const double reach = kAmbientReach * longest / finestSpacing(layout);
   std::vector<float> sums(matter.per_length.size(), 0.0F);
+  // Twice the mean, so that a place on an open plane, whose directions are dark by half, keeps all
+  // light.
   constexpr float kWeight = 2.0F / kAmbientDirections;
   const auto add = [&](Vec3d toward) {
     stop.throwIfStopped();
     addLight(matter, sweepFrom(layout, matter.grid, toward, reach), kWeight, pool, sums);
   };
+  // The 6 directions along the axes and the 8 along the diagonals.
   for (const double end : {-1.0, 1.0}) {
     for (int a = 0; a < 3; ++a) {
       Vec3d toward;
@@ -49,6 +54,7 @@ std::vector<ClipPlane> planesAround(const VolumeLayout& layout, const FrameOptio
     for (int a = 0; a < 3; ++a) {
       Vec3d normal;
       normal[a] = 1;
+      // The last cell has no plane behind it, and the first none before it.
       if (cells.hi[a] < layout.dims[a] - 1)
         planes.push_back({normal, static_cast<double>(cells.hi[a])});
       if (cells.lo[a] > 0) planes.push_back({-normal, -static_cast<double>(cells.lo[a])});
@@ -71,21 +77,25 @@ LightVolumePtr ArrivingLight::of(const TimeStep& step, const LookPtr& look, Matt
   const Lighting& lighting = options.lighting;
   if (!lighting.looksAround()) return nullptr;
   const VolumeLayout& layout = step.source->layout();
+  // The matter is kept for all views and lights, since it takes a pass over the voxels.
   const CoarseExtinctionPtr whole = matter_[from == MatterFrom::kFinest ? 0 : 1].of(
       {step.source, step.time, look},
       [&] { return coarseExtinction(step, *look, from, pool, options.stop); });
   const std::vector<ClipPlane> planes = planesAround(layout, options);
+  // Crop and clip planes take away matter, so that what they hide casts no shadow.
   const CoarseExtinctionPtr matter =
       planes.empty() ? whole : shown_.of({whole, planes}, [&] { return within(*whole, planes); });
   const Vec3d key = lighting.lights[0].toward;
   const Sweep to_key = sweepFrom(layout, matter->grid,
                                  view.right * key.x + view.up * key.y - view.forward * key.z, 0);
+  // Without shadows the direction is not part of the key.
   const Vec3d direction = lighting.shadows > 0 ? to_key.toward : Vec3d{};
   return light_.of({matter, direction, lighting.shadows, lighting.occlusion}, [&] {
     const size_t count = matter->per_length.size();
     Numbers of_key(lighting.shadows > 0 ? count : 0, 0.0F);
     if (lighting.shadows > 0) addLight(*matter, to_key, 1, pool, of_key);
     std::shared_ptr<const Numbers> ambient;
+    // Ambient light does not depend on the view: it is kept apart from the key light's.
     if (lighting.occlusion > 0)
       ambient =
           ambient_.of(matter, [&] { return ambientLight(layout, *matter, pool, options.stop); });
@@ -98,6 +108,7 @@ LightVolumePtr ArrivingLight::of(const TimeStep& step, const LookPtr& look, Matt
     light.other_varies = ambient != nullptr;
     light.texels.reserve(2 * count);
     for (size_t i = 0; i < count; ++i) {
+      // Light that does not vary is all there: its number is a constant.
       light.texels.push_back(of_key.empty() ? static_cast<uint16_t>(kAllLight)
                                             : numberOf(of_key[i], lighting.shadows));
       light.texels.push_back(ambient == nullptr ? static_cast<uint16_t>(kAllLight)

@@ -18,6 +18,7 @@ namespace {
 // and at most so many voxels at once.
 constexpr int64_t kTileVoxels = 64, kMostVoxels = kMostCoarseVoxelsRead;
 
+// The extinction of an opaque voxel is infinite: 2^-16 of the light always passes.
 constexpr double kMostOfLength = 16 * std::numbers::ln2;
 
 double extinctionOf(double opacity) {
@@ -30,6 +31,8 @@ double expectedOpacity(const ExpectedLook& look, double mean, double spread, dou
   const ValueRange values = look.device_range;
   const double span = values.hi - values.lo;
   if (!(span > 0) || !(spread > 0)) return exact;
+  // Rows are spaced by the root of the spread, as ExpectedLook has them. Below the first row the
+  // look blends into the exact one.
   const double row = std::sqrt(spread / span) * look.rows;
   const double at_row = std::clamp(row - 1, 0.0, look.rows - 1.0);
   const double at_entry =
@@ -57,6 +60,7 @@ ReadLevel levelFor(const TimeStep& step, const CoarseGrid& grid, MatterFrom from
   const PyramidLayout pyramid = step.layout();
   for (size_t i = 0; i < step.coarser.size(); ++i) {
     const LevelPlacement& placement = pyramid.level(static_cast<int>(i) + 1).placement;
+    // The coarsest level whose voxels are no wider than a texel of the light.
     for (int a = 0; a < 3; ++a)
       if (placement.scale[a] > static_cast<double>(grid.voxels[a]) + 1e-6) return level;
     level = {step.coarser[i].source, step.coarser[i].spreads, placement};
@@ -82,13 +86,15 @@ class Maker {
         level_dims_(level_.source->layout().dims),
         voxel_lengths_(layout_.spacing * level_.placement.scale / finestSpacing(layout_)),
         type_(step.ranges->map.type) {
-    // One number for each value of integers, else for each entry.
+    // One number for each value of integers of up to 16 bits, so that the loop over voxels needs no
+    // division; else one for each entry.
     const size_t values = type_ == DeviceType::kU8 ? 256 : type_ == DeviceType::kU16 ? 65536 : 0;
     const std::vector<float>& opacity = look.table.opacity();
     for (size_t i = 0; i < (values > 0 ? values : opacity.size()); ++i) {
       const size_t entry = values > 0 ? entryOf(static_cast<double>(i)) : i;
       extinctions_.push_back(static_cast<float>(extinctionOf(opacity[entry])));
     }
+    // A surface takes its whole opacity at one meeting, whatever the step.
     for (const SurfaceLevel& surface : look.table.surfaces())
       meetings_.push_back(extinctionOf(surface.opacity));
   }
@@ -115,12 +121,14 @@ class Maker {
   }
 
  private:
-  // The level's first voxel whose centre is not below the texel.
+  // The level's first voxel whose centre is not below the texel. Texels share out the voxels: each
+  // is in one.
   Vec3i firstVoxelOf(Vec3i texel) const {
     const Vec3d begin = toDouble(texel * grid_.voxels) - Vec3d{0.5, 0.5, 0.5};
     const Vec3d at = level_.placement.levelFromFinest(begin);
     Vec3i voxel;
     for (int a = 0; a < 3; ++a)
+      // The last texel has all that remains.
       voxel[a] = texel[a] >= grid_.texels[a]
                      ? level_dims_[a]
                      : std::clamp<int64_t>(static_cast<int64_t>(std::ceil(at[a] - 1e-9)), 0,
@@ -148,6 +156,7 @@ class Maker {
       return;
     }
     const Vec3i size = voxels.size();
+    // Along x only if rows are very long: whole rows are what a file stores together.
     const int axis = size.x > 8 * kTileVoxels ? 0 : size.z > 1 ? 2 : size.y > 1 ? 1 : 0;
     Box3 lower = voxels, upper = voxels;
     lower.hi[axis] = upper.lo[axis] = (voxels.lo[axis] + voxels.hi[axis]) / 2;
@@ -191,6 +200,7 @@ class Maker {
         for (size_t x = 0; x < texel_x.size(); ++x, ++i) {
           double extinction = extinctionAt(values[i]);
           if (!spreads.empty()) {
+            // Back from the extinction to the opacity, over which the expected look is a mean.
             const double exact = -std::expm1(-extinction), second = static_cast<double>(spreads[i]);
             extinction =
                 extinctionOf(has_labels ? exact * (1 - second / wholeShare(type_))
@@ -209,6 +219,7 @@ class Maker {
   template <class Voxel>
   double extinctionAt(Voxel value) const {
     if constexpr (std::is_integral_v<Voxel>) return extinctions_[value];
+    // NaN lets light pass.
     if (value < kNoNumber) return 0;
     return extinctions_[entryOf(static_cast<double>(value))];
   }
@@ -241,6 +252,7 @@ class Maker {
       const Vec3d& slope = own < level ? rise : fall;
       const double a_voxel = length(slope);
       if (away < a_voxel)
+        // The quotient accounts for voxels whose lengths differ between the axes.
         sum += shareOf(meetings_[n], 1 - away / a_voxel) * length(slope / voxel_lengths_) / a_voxel;
     }
     return sum;
@@ -282,8 +294,10 @@ CoarseGrid coarseGrid(const VolumeLayout& layout) {
   const double pitch = longest / static_cast<double>(kMostLightTexels);
   CoarseGrid grid;
   for (int a = 0; a < 3; ++a) {
+    // A rounding above a whole number must not make texels a voxel wider.
     grid.voxels[a] =
         std::max<int64_t>(1, static_cast<int64_t>(std::ceil(pitch / layout.spacing[a] - 1e-9)));
+    // Two at least, so that samples have two texels to interpolate between.
     grid.texels[a] = std::max<int64_t>(2, (layout.dims[a] + grid.voxels[a] - 1) / grid.voxels[a]);
   }
   return grid;
@@ -292,6 +306,7 @@ CoarseGrid coarseGrid(const VolumeLayout& layout) {
 CoarseExtinction coarseExtinction(const TimeStep& step, const Look& look, MatterFrom from,
                                   WorkerPool& pool, const StopToken& stop) {
   if (!look.table.magnitudes().empty())
+    // The gradients of all voxels would be needed, which the pass over tiles does not compute.
     failRequest(
         "{}: --shadows and --occlusion-light do not follow opacities that depend on gradients; "
         "leave out --modulate, or take a transfer function without gradients",
@@ -313,6 +328,7 @@ CoarseExtinction within(const CoarseExtinction& whole, const std::vector<ClipPla
           for (int a = 0; a < 3; ++a)
             width += std::abs(half.normal[a]) * static_cast<double>(grid.voxels[a]);
           const double beyond = dot(half.normal, grid.centerOf(at)) - half.offset;
+          // The share in front of the plane, by the width that the texel has across it.
           share *= std::clamp(0.5 - beyond / width, 0.0, 1.0);
         }
         result.per_length[i] = static_cast<float>(result.per_length[i] * share);

@@ -13,6 +13,8 @@ namespace {
 // A plane of texels with a rim of all light around it.
 class Plane {
  public:
+  // The rim spares the loop the question whether a neighbour exists, and lets light in from the
+  // sides.
   Plane(int64_t across, int64_t up)
       : stride_(across + 2), numbers_(static_cast<size_t>((across + 2) * (up + 2)), 1.0F) {}
   float& at(int64_t i, int64_t j) {
@@ -56,6 +58,8 @@ void addLight(const CoarseExtinction& matter, const Sweep& sweep, float weight, 
   const Vec3i texels = matter.grid.texels;
   const Vec3i stride{1, texels.x, texels.x * texels.y};
   SLUICE_CHECK_EQ(static_cast<int64_t>(sums.size()), volume(texels));
+  // The sweep goes along the axis on which light moves fastest, so that it shifts by at most a
+  // texel from plane to plane.
   int main = 0;
   for (int a = 1; a < 3; ++a)
     if (std::abs(sweep.toward[a]) > std::abs(sweep.toward[main])) main = a;
@@ -64,12 +68,14 @@ void addLight(const CoarseExtinction& matter, const Sweep& sweep, float weight, 
   const Shift shift(sweep.toward[b] / paces, sweep.toward[c] / paces);
   const double length = sweep.length / paces;
   const auto exponent = static_cast<float>(-length);
+  // Shadows of ambient light fade with the way.
   const auto kept = static_cast<float>(sweep.reach > 0 ? std::exp(-length / sweep.reach) : 1);
   const bool from_above = sweep.toward[main] > 0;
   const int64_t across = texels[b], up = texels[c], planes = texels[main];
   Plane in(across, up), out(across, up), last_in(across, up), last_out(across, up);
   constexpr int64_t kRows = 16;  // a thread's share
   for (int64_t n = 0; n < planes; ++n) {
+    // From the side of the light, plane by plane.
     const int64_t base = (from_above ? planes - 1 - n : n) * stride[main];
     pool.parallelFor((up + kRows - 1) / kRows, [&](int64_t part) {
       for (int64_t j = part * kRows; j < std::min(up, (part + 1) * kRows); ++j)
@@ -79,6 +85,8 @@ void addLight(const CoarseExtinction& matter, const Sweep& sweep, float weight, 
           in.at(i, j) = arriving;
           const float through = arriving * std::exp(exponent * matter.per_length[texel]);
           out.at(i, j) = 1 - (1 - through) * kept;
+          // The texel gets what arrived at the plane before, so that a surface does not lie in its
+          // own shadow.
           sums[texel] += weight * shift.of(last_in, i, j);
         }
     });

@@ -49,16 +49,20 @@ class ChannelRun {
     std::vector<ClusterPosition> order;
     order.reserve(frame.order.visits.size());
     for (const Visit& each : frame.order.visits) order.push_back(each.cluster);
+    // The channel reads its own clusters, in the order in which the frame visits the union's.
     DrawOrder own{frame.order.eye, {}};
     for (const ClusterPosition cluster : ownClusters(textures, frame.all, order))
       own.visits.push_back({.cluster = cluster, .draws = true, .blocks = {}});
     const ReadPurpose purpose{tally_, part.options.stop};
     ReadAhead::Needs needs;
+    // The chunks of other strips are not read.
     if (frame.rows) needs.now = [this](ChunkPosition chunk) { return shows(chunk); };
     ahead_ = std::make_unique<ReadAhead>(residency(), part.plan, own, purpose, needs);
+    // A frame that was stopped may have left chunks pinned.
     residency().unpinAll();
   }
   ~ChannelRun() {
+    // Reading ends before the device and the buffers are used for something else.
     ahead_.reset();
     residency().chunks().waitUntilIdle();
   }
@@ -67,6 +71,7 @@ class ChannelRun {
 
   // Makes the chunks of a cluster of all channels resident.
   void load(const Cluster& cluster, const ReadAhead::Deadline& deadline) {
+    // A cluster of the union in which this channel shows nothing.
     if (!clusters_.contains(placeOf(cluster))) return;
     while (const auto taken = ahead_->take(deadline)) {
       part_.options.stop.throwIfStopped();
@@ -129,6 +134,7 @@ class ChannelRun {
 };
 
 FrameSetup setupOf(const std::vector<Session::Part>& parts, const View& view) {
+  // The view and the volume are those of the first channel: all have one grid and one world.
   std::vector<FrameSetup> setups;
   setups.reserve(parts.size());
   for (const Session::Part& part : parts)
@@ -169,6 +175,7 @@ Frame blendedFrame(const Session::Parts& made, Device& device, std::vector<Frame
   const double plan_s = made.plan_s + stage.lap();
 
   ReadAhead::Deadline deadline;
+  // Drawing is expected to take as long as the last time: reading ends so much earlier.
   if (options.time_limit_s)
     deadline = asked_at +
                std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::duration<double>(
@@ -191,6 +198,8 @@ Frame blendedFrame(const Session::Parts& made, Device& device, std::vector<Frame
     stage.lap();
     for (const BlockPosition position : visit.blocks) {
       const TextureBlock& block = all.blocks[position];
+      // The boxes of one block follow each other and join: the device samples them together, as one
+      // medium.
       const size_t before = boxes.size();
       for (const auto& channel : channels)
         channel->append(block.name, boxes, boxes.size() > before);
@@ -198,6 +207,7 @@ Frame blendedFrame(const Session::Parts& made, Device& device, std::vector<Frame
     if (!boxes.empty()) device.draw(boxes);
     if (options.count_samples) counted.insert(counted.end(), boxes.begin(), boxes.end());
     boxes.clear();
+    // Only now: the device has drawn what it borrowed or copied of these chunks.
     for (const auto& channel : channels) channel->unpinAll();
     draw_s += stage.lap();
   }
@@ -212,6 +222,8 @@ Frame blendedFrame(const Session::Parts& made, Device& device, std::vector<Frame
   const double reading_s = watch.seconds() - draw_s;
   for (size_t i = 0; i < parts.size(); ++i)
     parts[i].session->noteDrawn(parts[i], draw_s, reading_s, read_bytes, reports[i]);
+  // The times of the whole frame go to the first channel's report alone: the sum over the channels
+  // counts them once.
   FrameReport& work = reports.front();
   work.stages.classify = made.classify_s;
   work.stages.plan = plan_s;

@@ -31,6 +31,8 @@ struct BoxesAhead::Portion {
     std::exception_ptr caught;
     try {
       for (const BlockPosition block : blocks)
+        // A portion that nobody wants any more ends early. Its list is then too short, and nobody
+        // reads it.
         if (is_wanted) result.push_back(boxes.choose(block, may_build, purpose));
     } catch (...) {
       caught = std::current_exception();
@@ -64,10 +66,12 @@ BoxesAhead::BoxesAhead(ChosenBoxesPtr boxes, const DrawOrder& order, WorkerPool&
 
 BoxesAhead::~BoxesAhead() {
   for (const PortionPtr& portion : begun_) portion->is_wanted = false;
+  // The tasks read through the session's levels, which must be at rest when the frame ends.
   for (const PortionPtr& portion : begun_) portion->wait();
 }
 
 void BoxesAhead::begin(const IsHidden& is_hidden) {
+  // Hidden blocks are passed over, so that their boxes are not read for nothing.
   while (next_ < blocks_.size() && begun_.size() < kPortionsAhead) {
     auto portion = std::make_shared<Portion>();
     while (next_ < blocks_.size() && portion->blocks.size() < kBlocksAPortion) {
@@ -85,6 +89,7 @@ void BoxesAhead::begin(const IsHidden& is_hidden) {
 
 VisibleBoxesPtr BoxesAhead::take(BlockPosition position, const IsHidden& is_hidden) {
   while (blocks_[at_] != position) ++at_;
+  // Portions behind the visit are over: all blocks that the frame still asks for come later.
   for (; !begun_.empty() && begun_.front()->end <= at_; begun_.pop_front()) {
     begun_.front()->is_wanted = false;
     begun_.front()->wait();
@@ -94,6 +99,7 @@ VisibleBoxesPtr BoxesAhead::take(BlockPosition position, const IsHidden& is_hidd
   if (begun_.empty()) return nullptr;
   Portion& portion = *begun_.front();
   const auto found = std::ranges::find(portion.blocks, position);
+  // It was hidden when its portion was begun. The caller draws its object box.
   if (found == portion.blocks.end()) return nullptr;
   return portion.take(static_cast<size_t>(found - portion.blocks.begin()));
 }

@@ -39,6 +39,7 @@ uint64_t threadBytes(const PageGeometry& page, const BufferNeeds& needs) {
 // Bytes of the tables that a borrowing device makes of the resident chunks. A chunk of several
 // pages has no more bricks than these have one by one.
 uint64_t tableBytes(const PageGeometry& page) {
+  // Neighbouring bricks share a plane of voxels, so that a page of n voxels has n - 1 cells.
   int64_t bricks = 1;
   for (int a = 0; a < 3; ++a)
     bricks *= ceilDiv(std::max<int64_t>(page.size_vox[a] - 1, 1), kTableBrickSide);
@@ -109,6 +110,7 @@ uint64_t leastMemoryBytes(const std::function<uint64_t(uint64_t memory_bytes)>& 
   }
   uint64_t enough = 2 * refused;
   for (; needOf(enough) > enough; enough *= 2) {
+    // Near the largest number the doubling would wrap.
     if (enough > UINT64_MAX / 2) return enough;
     refused = enough;
   }
@@ -125,6 +127,7 @@ Budgets shareMemory(uint64_t memory_bytes, const PageGeometry& page, TexelPlace 
   budgets.texture_cache = static_cast<uint64_t>(page.cacheBytes());
   const uint64_t least_buffers = leastBufferBytes(page, needs);
   const uint64_t textures = textureMemoryBytes(page, texels);
+  // Beyond this check none of the differences below can wrap.
   if (memory_bytes < textures + least_buffers)
     throw MemoryShortage({memory_bytes, textures, least_buffers});
   // Beyond the least: an eighth for growing boxes, one for their voxels and one for a source if
@@ -137,9 +140,11 @@ Budgets shareMemory(uint64_t memory_bytes, const PageGeometry& page, TexelPlace 
   }
   surplus -= budgets.boxes + budgets.growing;
   budgets.texture_buffer = 2 * largestChunkBytes(page, needs) + surplus / 3;
+  // A source that keeps no chunks has no use for memory.
   const uint64_t source_surplus = needs.source_thread_bytes > 0 ? surplus / 8 : 0;
   const uint64_t rest = memory_bytes - textures - needs.beside_bytes - budgets.texture_buffer -
                         source_surplus - budgets.boxes - budgets.growing;
+  // The drawing thread helps to read, and needs its own scratch.
   const auto most_threads = static_cast<uint64_t>(most_readers) + 1;
   const uint64_t threads = std::min(most_threads, rest / threadBytes(page, needs));
   budgets.readers = static_cast<int>(threads) - 1;
@@ -147,6 +152,7 @@ Budgets shareMemory(uint64_t memory_bytes, const PageGeometry& page, TexelPlace 
   budgets.source = threads * needs.source_thread_bytes + source_surplus;
   budgets.growing += threads * needs.growing_bytes;
   if (texels == TexelPlace::kBorrowed) budgets.borrowed = budgets.texture_cache;
+  // Borrowed bytes belong to level 3, which must hold them in addition to the chunks that it fills.
   budgets.texture_buffer += budgets.borrowed;
   budgets.volume_buffer =
       rest - budgets.scratch - threads * (needs.source_thread_bytes + needs.growing_bytes);

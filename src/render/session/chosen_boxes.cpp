@@ -25,6 +25,7 @@ VisibleBoxesPtr ChosenBoxes::choose(BlockPosition position, bool may_build,
                                     const ReadPurpose& purpose) const {
   if (VisibleBoxesPtr kept = find(position)) return kept;
   const TextureBlock& block = plan_->textures.blocks[position];
+  // Growing boxes are made of the finest level's voxels.
   if (block.name.level > 0) return nullptr;
   const BoxTreePtr tree =
       may_build ? store_->tree(block.name.block, purpose) : store_->treeIfMade(block.name.block);
@@ -33,6 +34,8 @@ VisibleBoxesPtr ChosenBoxes::choose(BlockPosition position, bool may_build,
   auto chosen = std::make_shared<const VisibleBoxes>(
       *tree, visibility, translate(block.cells, firstCell(position) * -1), boxCost(1 / step_vox_));
   const MutexLock lock(mutex_);
+  // Boxes beyond the budget serve this frame and are not kept. Two threads may have chosen the
+  // same.
   if (kept_bytes_ + chosen->bytes() <= budget_bytes_ && kept_.emplace(position, chosen).second)
     kept_bytes_ += chosen->bytes();
   return chosen;

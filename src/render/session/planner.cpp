@@ -17,6 +17,7 @@ bool Planner::integrates(const TimeStep& step, const Look& look, const View& vie
   return options.integrates && traitsOf(options.mode).has_colors && !look.table.labels() &&
          look.table.surfaces().empty() && step.ranges->layout.ghost > 0 &&
          !drawsCut(step, options.cut, options.mode, look.transfer) &&
+         // A step of exactly the limit may come out a little longer by rounding.
          longestStep(view, step.source->layout()) <= kMostIntegratedStep * (1 + 1e-6);
 }
 
@@ -71,12 +72,15 @@ std::vector<VisibleBlocksPtr> Planner::visibleTogether(std::span<Planner* const>
     cuts.push_back(choosers[i]->cutFor(questions[i]));
   }
   std::vector<VisibleBlocksPtr> visible;
+  // A volume that is no cut cannot be refined together with the others.
   if (std::ranges::count(cuts, nullptr) > 0) {
     for (size_t i = 0; i < choosers.size(); ++i)
       visible.push_back(choosers[i]->choose(questions[i]));
     return visible;
   }
   visible = LevelCut::chooseTogether(cuts, questions);
+  // The choosers may leave out blocks of the cut that others hide. They judge by the coarsest level
+  // that any of the volumes shows.
   int coarsest = 0;
   for (size_t i = 0; i < visible.size(); ++i)
     coarsest =
@@ -88,6 +92,7 @@ std::vector<VisibleBlocksPtr> Planner::visibleTogether(std::span<Planner* const>
 
 FramePlanPtr Planner::plan(const TimeStep& step, const VisibleBlocksPtr& visible,
                            const FrameOptions& options, const TexturePlanPtr& clusters) {
+  // The clusters are part of the key, as a plan of one medium has the clusters of all channels.
   const Box3 crop = cropCells(options, step.ranges->layout.dims);
   return plan_.of({step, visible, options.algorithm, options.merge_order, crop, clusters}, [&] {
     return makeFramePlan(step, *visible, page_,

@@ -29,6 +29,7 @@ ReadAhead::ReadAhead(Residency& residency, FramePlanPtr plan, const DrawOrder& o
     for (const ChunkPosition chunk : cluster.chunks) {
       if (!isHeld(chunk) && seen.insert(chunk).second) {
         const uint64_t more = bytesOf(chunk);
+        // A step has at least one chunk, so that a chunk larger than the limit is read, too.
         if (bytes > 0 && bytes + more > most_bytes_) {
           steps_.push_back(std::exchange(
               step, {.cluster = visit.cluster, .chunks = {}, .completes_cluster = false}));
@@ -53,6 +54,7 @@ uint64_t ReadAhead::bytesOf(ChunkPosition chunk) const {
 }
 
 std::vector<ChunkPosition> ReadAhead::absent(const Step& step, bool ahead) const {
+  // Looked up when the step is begun and when it is taken: the cache may have evicted chunks since.
   std::vector<ChunkPosition> chunks;
   uint64_t bytes = 0;
   for (const ChunkPosition chunk : step.chunks) {
@@ -69,6 +71,7 @@ std::vector<ChunkPosition> ReadAhead::absent(const Step& step, bool ahead) const
 
 std::vector<ChunkPosition> ReadAhead::soonAfter(size_t step) const {
   std::vector<ChunkPosition> chunks;
+  // Steps of one cluster only: its blocks lie in the same rows of the file.
   for (size_t i = step + 1; i < steps_.size() && !steps_[i - 1].completes_cluster; ++i)
     for (const ChunkPosition chunk : absent(steps_[i], true)) chunks.push_back(chunk);
   return chunks;
@@ -99,6 +102,7 @@ void ReadAhead::beginNext(bool may_wait) {
   while (begun_.size() < std::min(steps_.size(), kMostStepsAhead)) {
     std::vector<ChunkPosition> chunks = absent(steps_[begun_.size()], true);
     const std::vector<ChunkPosition> soon = soonAfter(begun_.size());
+    // Only the step that is drawn next may wait for room. The others take what is left.
     if (begun_.empty() && may_wait) {
       begun_.push_back(beginNow(std::move(chunks), soon));
       continue;
@@ -114,6 +118,7 @@ std::optional<ReadAhead::Taken> ReadAhead::take(const Deadline& deadline) {
   beginNext(!deadline);
   Taken taken{std::move(steps_.front()), {}};
   steps_.pop_front();
+  // Updates of the opacity map may have hidden chunks since the step was begun.
   if (needs_.now)
     std::erase_if(taken.step.chunks, [this](ChunkPosition chunk) { return !needs_.now(chunk); });
   taken.texels.resize(taken.step.chunks.size());
@@ -136,14 +141,17 @@ std::optional<ReadAhead::Taken> ReadAhead::take(const Deadline& deadline) {
 void ReadAhead::putTexels(Begun begun, const Deadline& deadline, Taken& taken) {
   std::vector<ChunkTexelsPtr> texels =
       deadline ? begun.waitUntil(*deadline) : std::vector<ChunkTexelsPtr>();
+  // finish() would wait for the chunks that are late.
   const bool is_late = std::ranges::find(texels, nullptr) != texels.end();
   if (!is_late) texels = begun.finish();
   const std::vector<ChunkPosition>& chunks = taken.step.chunks;
+  // The batch may hold chunks that are no longer needed.
   for (size_t i = 0; i < begun.chunks().size(); ++i) {
     const auto found = std::ranges::find(chunks, begun.chunks()[i]);
     if (found != chunks.end())
       taken.texels[static_cast<size_t>(found - chunks.begin())] = texels[i];
   }
+  // It goes on filling: the chunks may serve the next frame.
   if (is_late) late_.push_back(std::move(begun));
 }
 

@@ -43,6 +43,7 @@ uint64_t sourceThreadBytes(const TimeStep& step) {
 BufferNeeds needsOf(const TimeStep& step, Partition partition, uint64_t beside_bytes) {
   BufferNeeds needs = bufferNeeds(*step.source, step.ranges->layout, partition, beside_bytes);
   needs.source_thread_bytes = sourceThreadBytes(step);
+  // Blocks of several levels are never cut to the volume's size (block_side.h).
   if (!step.coarser.empty()) needs.block_vox = step.ranges->layout.size;
   for (const CoarserStep& coarser : step.coarser)
     if (coarser.spreads != nullptr) needs.numbers = 2;
@@ -55,6 +56,8 @@ Residency::Residency(const TimeStep& step, Device& device, const ResidencyOption
                            needsOf(step, options.partition, options.beside_bytes),
                            readsAtOnce(*step.source, options.threads))),
       blocks_(bufferLevels(step), budgets_.volume_buffer, VolumeBuffer::Cold::kPacked),
+      // A pool counts the calling thread, which only waits or helps: the readers are in addition to
+      // it.
       readers_(budgets_.readers + 1),
       chunks_(blocks_, readers_, budgets_.texture_buffer),
       cache_(static_cast<uint64_t>(options.page.pages),
@@ -79,15 +82,19 @@ Residency::Made Residency::makeResident(const FramePlan& plan, ChunkPosition pos
   if (answer.outcome == Outcome::kDoesNotFit)
     failMemory("a cluster needs more than the texture cache's {} pages; give more --pages",
                cache_.capacityPages());
+  // Pinned before it is loaded, so that the rest of its cluster cannot evict it.
   cache_.pin(id);
   if (answer.outcome != Outcome::kLoaded) return {};
   Stopwatch watch;
   try {
+    // Evicted first: a device never holds more pages than the cache has.
     evict(answer.evicted);
     SLUICE_CHECK(texels != nullptr);
+    // The stopwatch starts after the evictions, which are no upload.
     watch = Stopwatch();
     device_.makeResident(first_id_ + id, texels);
   } catch (...) {
+    // The model must not list a chunk that the device did not get.
     cache_.erase(id);
     throw;
   }
@@ -107,6 +114,7 @@ void Residency::evict(std::span<const ChunkId> ids) {
 }
 
 void Residency::forgetUnused(const FramePlan& plan) {
+  // Twice the plan's names, so that plans of many chunks do not look through all names each time.
   if (names_.kept() <= kMostUnusedNames + 2 * plan.names.size()) return;
   std::unordered_set<ChunkId> used;
   for (const ChunkName name : plan.names) used.insert(modelId(name));

@@ -40,6 +40,7 @@ Session::Session(const TimeStep& step, Device& device, WorkerPool& pool,
       step_(step) {
   SLUICE_CHECK(!options.lit || step.ranges->layout.ghost >= 1);
   expectBlocksOf(step);
+  // These parts are declared before residency_, so that they outlive its readers.
   residency_.blocks().checkBy(
       [check = stale_check_.get(), spreads = spreads_.get(), lost = lost_.get(),
        learnt = learnt_.get()](const BlockName& name, const VolumeBlock& block) {
@@ -65,6 +66,7 @@ std::shared_ptr<const SliceRanges> Session::learntRanges() const {
 }
 
 std::shared_ptr<const SliceRanges> Session::ranges() const {
+  // Only the step that the session began with had unknown ranges to learn.
   return learnt_ != nullptr && learnt_->time() == step_.time ? learnt_->ranges() : step_.ranges;
 }
 
@@ -123,6 +125,8 @@ void Session::readAfterwards(const TimeStep& next) {
 std::optional<ReadLimit> Session::readLimit(const LookPtr& look) const {
   if (!options_.time_limit_s || !planner_.makesCut(step_, look, options_)) return std::nullopt;
   const double limit_s = *options_.time_limit_s;
+  // At least half of the limit goes to reading, so that a slow last picture does not keep the next
+  // one coarse.
   const double reading_s = std::max(limit_s - lessons_.draw_s, limit_s / 2);
   ReadLimit limit;
   limit.most_bytes = static_cast<uint64_t>(reading_s * bytes_per_s_);
@@ -130,6 +134,8 @@ std::optional<ReadLimit> Session::readLimit(const LookPtr& look) const {
   limit.keeps_refined = limit_s < kSteady_s;
   limit.last = drawn_;
   limit.is_in_memory = [this](const BlockName& name) {
+    // The last picture's blocks count as there: its chunks are, even if level 2 has dropped the
+    // blocks.
     return residency_.blocks().holds(name) ||
            (drawn_ != nullptr &&
             std::ranges::binary_search(drawn_->blocks, name, {}, &ObjectBlock::name));
@@ -138,10 +144,13 @@ std::optional<ReadLimit> Session::readLimit(const LookPtr& look) const {
 }
 
 double Session::stepForCut(const VisibleBlocks& visible, const FrameOptions& options) const {
+  // Only a cut that waits for data takes wider steps: the last picture of a row is the one without
+  // a limit.
   if (!options.step_follows_cut || !visible.cut || !visible.cut->will_improve ||
       visible.cut->levels.empty())
     return options.step_vox;
   const View view = resolve(options, step_.source->layout());
+  // Slices move apart as much as the voxels shown are wider than those that will be shown.
   const int wanted = finestLevelShown(step_, view, *options.cut);
   const int shown = std::max(wanted, visible.cut->levels.front().level);
   return options.step_vox * spacingOfLevel(step_, shown) / spacingOfLevel(step_, wanted);
@@ -152,6 +161,7 @@ void Session::noteDrawn(const VisibleBlocksPtr& visible, double reading_s, uint6
   drawn_ = visible->cut ? visible : nullptr;
   if (report.cut) {
     const ValueMap& map = step_.ranges->map;
+    // The spread of a label is the share of other labels, whatever the scale of the values.
     const bool are_shares = report.cut->values == LevelValues::kModes;
     report.cut->spread = spreads_->of(*visible, are_shares ? 1 / wholeShare(map.type) : map.scale);
   }
@@ -197,6 +207,7 @@ void Session::countLost(const Look& look, const VisibleBlocks& visible, const Vi
 
 FrameReport Session::frameReport() {
   Frame drawn = frame();
+  // The picture's memory serves the next one.
   device_.reuse(std::move(drawn.picture));
   return drawn.report;
 }
@@ -205,6 +216,7 @@ ChosenBoxesPtr Session::boxesOf(const LookPtr& look, const FramePlanPtr& plan) {
   if (options_.partition == Partition::kBlocks) return nullptr;
   SLUICE_CHECK(session_.partition == Partition::kBoxes);
   const Budgets& budgets = residency_.budgets();
+  // Half of the boxes' budget is for trees of all boxes, half for the boxes chosen from them.
   const auto store = box_store_.of(step_, [&] {
     return std::make_shared<BoxStore>(*step_.source, session_.index_places, step_.time,
                                       *step_.ranges, residency_.readers(), budgets.boxes / 2,

@@ -37,6 +37,7 @@ Session::Parts Session::parts(std::span<Session* const> sessions) {
                                   session.trace_, session.frame_number_});
   }
   const std::vector<VisibleBlocksPtr> visible = Planner::visibleTogether(planners, questions);
+  // All channels are sampled at the same depths, so that the finest step of any applies to all.
   double step_vox = INFINITY;
   for (size_t i = 0; i < sessions.size(); ++i) {
     Part& part = result.of_sessions[i];
@@ -54,6 +55,7 @@ Session::Parts Session::parts(std::span<Session* const> sessions) {
   const Box3 crop = cropCells(first.options, first.step.ranges->layout.dims);
   UnionKey key{{}, first.options.algorithm, first.options.merge_order, first.step.time, crop};
   std::vector<ChannelBlocks> blocks;
+  // The union is kept as long as all channels show the same blocks.
   for (const Part& part : result.of_sessions) {
     key.visible.emplace_back(part.visible);
     blocks.push_back({part.step.layout(), part.visible, part.session->page()});
@@ -65,6 +67,7 @@ Session::Parts Session::parts(std::span<Session* const> sessions) {
   for (Part& part : result.of_sessions) {
     Session& session = *part.session;
     part.plan = session.planner_.plan(part.step, part.visible, part.options, result.all);
+    // Reading begun for a frame of one session alone would take the room of this frame.
     session.lessons_.unfinished.reset();
     session.read_afterwards_.reset();
     session.afterwards_.reset();

@@ -13,6 +13,7 @@ VisibleBlocks unionOf(std::span<const ChannelBlocks> channels) {
     for (const ObjectBlock& object : channel.visible->blocks) {
       const auto [found, fresh] =
           blocks.emplace(std::pair(object.name.level, object.name.block), object);
+      // The texture block of the union must hold what any channel shows.
       if (!fresh) found->second.cells = unite(found->second.cells, object.cells);
     }
   VisibleBlocks all;
@@ -33,6 +34,7 @@ TexturePlan unionPlan(std::span<const ChannelBlocks> channels, PlanOptions optio
   const auto capacity = [&](const ChannelBlocks& channel) {
     return clusterCapacity(channel.pyramid, all, channel.page);
   };
+  // A cluster must fit the cache of each channel.
   const auto tightest = std::ranges::min_element(channels, {}, capacity);
   // Chunks are the channels' own.
   if (options.algorithm == Algorithm::kMerged) options.algorithm = Algorithm::kTrimmed;
@@ -53,6 +55,7 @@ ClusterPlace placeOf(const Cluster& cluster) {
 std::vector<ClusterPosition> ownClusters(const TexturePlan& own, const TexturePlan& all,
                                          std::span<const ClusterPosition> order) {
   std::map<ClusterPlace, ClusterPosition> places;
+  // Own clusters are found by their place in the grids, since positions differ between plans.
   for (const ClusterPosition i : own.clusters.indices())
     places.emplace(placeOf(own.clusters[i]), i);
   std::vector<ClusterPosition> clusters;

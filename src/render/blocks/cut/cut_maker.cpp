@@ -87,6 +87,8 @@ class CutMaker {
     for (const CutNode& node : chosen_) {
       const CutPart& part = partsOf(node)[number];
       if (!part.object) continue;
+      // The region shows nothing of this volume at this level, although another volume or level has
+      // something.
       if (part.isEmpty()) {
         ++blocks.white;
         continue;
@@ -101,12 +103,14 @@ class CutMaker {
       blocks.blocks.push_back(*part.object);
     }
     std::ranges::sort(blocks.blocks, {}, &ObjectBlock::name);
+    // Only surfaces leave cracks between levels, see level_borders.h.
     if (levels.size() > 1 && !of.question.look->table.surfaces().empty())
       setLevelFaces(pyramid_, blocks.blocks);
     CutSummary summary;
     summary.has_spreads = true;
     for (const auto& [level_number, level] : levels) {
       summary.levels.push_back(level);
+      // Without spreads, a coarse block shows the look of its means, not the mean of looks.
       if (level_number > 0 && of.shown.pyramid().level(level_number).numbers != 2)
         summary.has_spreads = false;
     }
@@ -145,6 +149,7 @@ class CutMaker {
     for (Volume& of : volumes_) parts_.push_back({object_of(of, index), {}});
     const std::span<CutPart> parts = partsOf(node);
     if (std::ranges::none_of(parts, [](const CutPart& part) { return part.object.has_value(); })) {
+      // No volume shows anything: the parts are taken back.
       parts_.resize(node.first_part);
       return std::nullopt;
     }
@@ -163,6 +168,7 @@ class CutMaker {
 
   // Sets the bytes that are to be read for the node.
   void countReading(const CutNode& node) {
+    // Without a limit nobody asks what is to be read.
     for (size_t i = 0; i < volumes_.size(); ++i)
       if (volumes_[i].question.limit != nullptr && !isInMemory(i, node)) {
         CutPart& part = partsOf(node)[i];  // isInMemory() may have moved the parts
@@ -176,9 +182,12 @@ class CutMaker {
     const CutPart part = partsOf(node)[number];
     if (part.isEmpty()) return true;
     const BlockName& name = part.object->name;
+    // Entered as false first, and set at the end: this call may ask for the blocks below.
     const auto [known, is_new] = volumes_[number].in_memory.try_emplace(name, false);
     if (!is_new) return known->second;
     bool is_there = volumes_[number].question.limit->is_in_memory(name);
+    // A part whose finer blocks are all there costs nothing to read either, since they are drawn in
+    // its place.
     if (!is_there && node.level > 0 && isTooCoarse(node))
       is_there = std::ranges::all_of(
           childrenOf(node), [&](const CutNode& child) { return isInMemory(number, child); });
@@ -190,6 +199,7 @@ class CutMaker {
     for (size_t i = 0; i < volumes_.size(); ++i) {
       const ReadLimit* limit = volumes_[i].question.limit;
       const CutPart& part = partsOf(node)[i];
+      // While a view moves, parts stay refined a little longer, so that nothing flickers.
       if (limit != nullptr && limit->keeps_refined && limit->last != nullptr && part.object &&
           std::ranges::binary_search(limit->last->refined, part.object->name))
         return true;
@@ -221,6 +231,7 @@ class CutMaker {
     for (size_t i = 0; i < volumes_.size(); ++i) volumes_[i].bytes.remove(partsOf(node)[i].bytes);
   }
 
+  // Each volume has limits of its own.
   bool fits() const {
     return std::ranges::all_of(volumes_, [](const Volume& of) {
       return of.bytes.stored <= of.options.most_stored_bytes &&
@@ -233,15 +244,19 @@ class CutMaker {
     uint64_t read = 0;
     for (const CutNode& node : nodes)
       for (const CutPart& part : partsOf(node)) read += part.bytes.read;
+    // Blocks that are all in memory are always in time.
     if (read == 0) return true;
     double of_limit = 0;
     bool refines_some = false;
+    // The volumes share the time: each takes a share of its own limit.
     for (const Volume& of : volumes_) {
       const ReadLimit* limit = of.question.limit;
       if (limit == nullptr || of.bytes.read == 0) continue;
       of_limit += static_cast<double>(of.bytes.read) / static_cast<double>(limit->most_bytes);
       refines_some = refines_some || limit->refines_some;
     }
+    // One part is refined even if it takes longer, so that each picture of a row is better than the
+    // last.
     if (of_limit > 1 && !(refines_some && !reads_any_)) return false;
     reads_any_ = true;
     return true;
@@ -297,10 +312,13 @@ class CutMaker {
       else
         chosen_.push_back(open_[i]);
     }
+    // Front to back, so that the parts in front are refined if the budget does not reach for all.
     std::ranges::sort(wide);
     std::vector<CutNode> finer;
     for (const auto& [depth, i] : wide) {
       const CutNode& node = open_[i];
+      // Once the budget is full all others stay coarse, also those that would fit: the cut is then
+      // finest in front.
       if (!is_stopped_) {
         const std::vector<CutNode> children = childrenOf(node);
         for (const CutNode& child : children) countReading(child);
@@ -315,6 +333,7 @@ class CutMaker {
           refined_.push_back(node);
           continue;
         }
+        // The attempt is taken back.
         for (const CutNode& child : children) remove(child);
         add(node);
       }

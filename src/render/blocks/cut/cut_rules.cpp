@@ -40,6 +40,8 @@ bool showsExtremes(const TransferFunction& transfer, Combining combining) {
     std::ranges::reverse(towards_extreme);
   else if (combining != Combining::kGreatest)
     return true;
+  // From the extreme end inwards, all values after the first that shows must show, too: otherwise a
+  // maximum that is hidden would hide a value that shows.
   const auto isShown = [](const OpacityPoint& point) { return point.opacity > 0; };
   const auto first = std::ranges::find_if(towards_extreme, isShown);
   return std::all_of(first, towards_extreme.end(), isShown);
@@ -61,6 +63,7 @@ bool drawsCut(const TimeStep& step, const std::optional<CutOptions>& cut, Mode m
   const bool has_labels = transfer.labels;
   const bool shows_extremes = showsExtremes(transfer, traitsOf(mode).combining);
   const LevelValues wanted = levelValuesFor(mode, has_labels, step.ranges->map.scale);
+  // The default is taken silently, so that it is used only if no picture changes by it.
   if (cut->is_default) {
     // The opening has left out means without spreads.
     const bool are_wanted = wanted == LevelValues::kMeans ||
@@ -71,6 +74,7 @@ bool drawsCut(const TimeStep& step, const std::optional<CutOptions>& cut, Mode m
            shows_extremes;
   }
   requireLevel(*cut, step);
+  // What was asked for is drawn or refused with a reason.
   for (const CoarserStep& level : step.coarser) {
     const LevelValues found = level.valuesShown();
     if (found == LevelValues::kUnknown || found == wanted || cut->level.value_or(1) == 0) continue;
@@ -95,6 +99,7 @@ int finestLevelShown(const TimeStep& step, const View& view, const CutOptions& o
   const PyramidLayout pyramid = step.layout();
   const PixelSizes sizes(step.source->layout(), view);
   int level = 0;
+  // The whole volume's voxels, at the place nearest to the eye.
   while (level < pyramid.levels() - 1 &&
          sizes.of(pyramid.level(level + 1), boxOf(finestCells(pyramid))) <= options.pixel_error)
     ++level;
@@ -106,6 +111,7 @@ int coarsestLevelShown(const TimeStep& step, const View& view, const VisibleBloc
   const PixelSizes sizes(step.source->layout(), view);
   int coarsest = 0;
   for (const ObjectBlock& block : blocks.blocks)
+    // Parts outside the picture stay coarse, whatever it shows.
     if (block.name.level > coarsest &&
         sizes.of(pyramid.of(block.name), pyramid.regionOf(block.name)) > 0)
       coarsest = block.name.level;
@@ -122,6 +128,7 @@ bool lightsFromFinest(const VisibleBlocks& blocks, const FrameOptions& options,
   const bool is_alone =
       std::ranges::all_of(blocks.cut->levels, [](const auto& level) { return level.level == 0; });
   const CutOptions cut = options.cut.value_or(CutOptions{});
+  // All bytes of the finest level, since the light is made of all of it.
   const uint64_t bytes = static_cast<uint64_t>(volume(layout.dims)) * bytesPerVoxel(layout.type);
   return is_alone && !options.crop && !options.time_limit_s &&
          bytes <= std::min(cut.most_stored_bytes, cut.most_held_bytes);

@@ -27,6 +27,7 @@ bool isSame(const VisibleBlocks& a, const VisibleBlocks& b) {
 
 TimeStep LevelCut::listed(const TimeStep& step) {
   TimeStep with_listing = step;
+  // Only levels that follow the finest one need to know which of its blocks are empty.
   if (!step.ranges->is_listed && followsFinest(step))
     with_listing.ranges =
         listed_.of(step, [&] { return listedRanges(step.ranges, *step.source, step.time); });
@@ -39,6 +40,7 @@ std::shared_ptr<ShownLevels> LevelCut::shownOf(const BlockQuestion& question) {
   const TimeStep step = listed(question.step);
   return shown_.of({step, question.look, question.crop}, [&] {
     std::shared_ptr<const RangeTree> tree;
+    // Without a listing there is no range below any block.
     if (step.ranges->is_listed)
       tree = tree_.of(step, [&] { return RangeTree(*step.ranges, step.layout(), pool_); });
     return std::make_shared<ShownLevels>(step, question.look, question.crop, std::move(tree),

@@ -8,6 +8,7 @@ namespace {
 
 void widen(RangeTree::Node& node, const RangeTree::Node& by) {
   node.has_unknown = node.has_unknown || by.has_unknown;
+  // A node without known blocks has no range.
   if (by.lo > by.hi) return;
   const bool is_first = node.lo > node.hi;
   node.lo = is_first ? by.lo : std::min(node.lo, by.lo);
@@ -38,6 +39,7 @@ void widenRow(std::span<RangeTree::Node> nodes, int64_t blocks_a_node, const Sli
         node.has_unknown = true;
         ++unknown;
       } else {
+        // A block that is neither held nor unknown is all background.
         widen(node, {background, background, false});
       }
     }
@@ -51,6 +53,7 @@ std::vector<RangeTree::Node> firstLevelOf(const SliceRanges& finest, const Pyram
   const Vec3i grid = pyramid.level(1).blocks.grid;
   const int64_t blocks_a_node = pyramid.level(1).width.x / pyramid.level(0).width.x;
   std::vector<RangeTree::Node> nodes(static_cast<size_t>(volume(grid)));
+  // A thread has whole rows of nodes, so that no two write the same one.
   pool.parallelFor(grid.z * grid.y, [&](int64_t row) {
     const auto of_row =
         std::span(nodes).subspan(static_cast<size_t>(row * grid.x), static_cast<size_t>(grid.x));
@@ -66,6 +69,7 @@ std::vector<RangeTree::Node> firstLevelOf(const SliceRanges& finest, const Pyram
 template <class Of>
 std::vector<RangeTree::Node> levelOf(const PyramidLayout& pyramid, int level, WorkerPool& pool,
                                      const Of& of) {
+  // So many that handing out a part costs little.
   constexpr int64_t kPart = 512;
   const BlockLayout& blocks = pyramid.level(level).blocks;
   std::vector<RangeTree::Node> nodes(static_cast<size_t>(blocks.blockCount()));
@@ -84,6 +88,7 @@ RangeTree::RangeTree(const SliceRanges& finest, const PyramidLayout& pyramid, Wo
   levels_.push_back(visitDeviceType(finest.map.type, [&](auto tag) {
     return firstLevelOf<decltype(tag)>(finest, pyramid, pool);
   }));
+  // Each level is made of the one below, which has fewer nodes than there are blocks.
   for (int level = 2; level < pyramid.levels(); ++level)
     levels_.push_back(levelOf(pyramid, level, pool, [&](const Box3& children) {
       Node node;

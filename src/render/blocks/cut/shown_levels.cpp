@@ -83,6 +83,8 @@ std::unique_ptr<ObjectBoxes> ShownLevels::madeBoxes(int level) const {
   if (isAsFinest(level)) return nullptr;
   const CoarserStep& coarser = step_.coarser[static_cast<size_t>(level) - 1];
   const BlockLayout& blocks = pyramid_.level(level).blocks;
+  // The level's own ranges may come from an index. Otherwise its source is listed, if the finest
+  // level is not.
   std::shared_ptr<const SliceRanges> ranges = coarser.ranges;
   if (ranges == nullptr && !isListed())
     ranges =
@@ -93,7 +95,7 @@ std::unique_ptr<ObjectBoxes> ShownLevels::madeBoxes(int level) const {
 }
 
 double ShownLevels::coarseShare(int64_t shown_finest) {
-  // Of a picture of coarser levels alone it does not matter how many cells there are.
+  // If the picture shows coarser levels alone, the number of cells does not matter.
   if (shown_finest == 0) {
     if (!isListed()) return crop_.empty() ? 0 : 1;
     const int top = pyramid_.levels() - 1;
@@ -104,7 +106,8 @@ double ShownLevels::coarseShare(int64_t shown_finest) {
   }
   if (!finest_cells_ && !isListed()) finest_cells_ = boxesOf(0)->cellCount(pool_);
   if (!finest_cells_) {
-    // Threads look at the blocks below different ones.
+    // Blocks of level 2 have many finest blocks below them, enough for a thread. Threads look at
+    // different ones, so that they share no state.
     const int level = std::min(2, pyramid_.levels() - 1);
     const BlockLayout& blocks = pyramid_.level(level).blocks;
     std::atomic<int64_t> cells = 0;
@@ -134,6 +137,7 @@ const Box3& ShownLevels::hullOf(int level, Vec3i index) {
   Box3& hull = at->second;
   if (!is_new) return hull;
   for (int axis = 0; axis < 3; ++axis)
+    // Both faces of each axis bound the hull. What lies between them is never looked at.
     for (const Face face : {Face::kLow, Face::kHigh}) {
       reachFace(level, index, axis, face, hull);
       if (hull.empty()) return hull;  // nothing shows
@@ -158,13 +162,14 @@ void ShownLevels::reachFace(int level, Vec3i index, int axis, Face face, Box3& h
     return face == Face::kLow ? -box.lo[axis] : box.hi[axis];
   };
   const auto isBeyond = [&](int64_t reach) { return hull.empty() || reach > reachOf(hull); };
-  // Those of which something may show, or whose region shows in part.
+  // Parts whose region may reach beyond the hull, and show in part.
   std::vector<Part> parts;
   const auto add = [&](int of_level, Vec3i at) {
     const Box3 region = cropped(of_level, at);
     const int64_t reach = reachOf(region);
     if (region.empty() || !isBeyond(reach)) return;
     const Shown shown = of_level == 0 ? Shown::kSomething : shownBelow(of_level, at);
+    // All of the region shows, so that nothing in it needs a look.
     if (shown == Shown::kEverything) hull = unite(hull, region);
     if (shown != Shown::kSomething) return;
     parts.push_back({reach, of_level, at});
@@ -198,6 +203,7 @@ int64_t ShownLevels::cellsBelow(int level, Vec3i index) {
 // the crop ends it.
 Vec3i ShownLevels::extentOf(Vec3i index, const Box3& cells) {
   Vec3i extent = boxesOf(0)->extentWithNeighbors(index);
+  // A face of the crop ends nothing in the volume, so that it makes nothing thin.
   const Box3 all = boxOf(pyramid_.finest().dims - Vec3i{1, 1, 1});
   for (int a = 0; a < 3; ++a) {
     const bool is_cut_below = cells.lo[a] == crop_.lo[a] && crop_.lo[a] > all.lo[a];
@@ -216,6 +222,7 @@ Vec3i ShownLevels::leastExtentOfWhole(int level, Vec3i index) const {
   const BlockLayout& finest = pyramid_.finest();
   Vec3i least;
   for (int a = 0; a < 3; ++a) {
+    // The last finest block has the rest of the volume, which may be less than a whole block.
     const int64_t last = region.hi[a] - (blocks.hi[a] - 1) * finest.cells();
     const bool is_cut = shown.lo[a] != region.lo[a] || shown.hi[a] != region.hi[a];
     const bool is_alone = blocks.size()[a] == 1;
@@ -259,6 +266,7 @@ bool ShownLevels::hasThinner(int level, Vec3i index, const Vec3d& least) {
   }
   if (cropped(level, index).empty()) return false;
   const Shown shown = shownBelow(level, index);
+  // If everything shows, no box of a finest block is less than this without a look at them.
   if (shown == Shown::kNothing ||
       (shown == Shown::kEverything && !isThinner(leastExtentOfWhole(level, index))))
     return false;
@@ -281,6 +289,7 @@ Box3 ShownLevels::boxesAround(Vec3i index) {
   const Vec3i one{1, 1, 1};
   const Box3 region = cropped(0, index);
   Box3 box;
+  // Samples beside a surface show it from the next block, too.
   visitIndices(intersect({index - one, index + one + one}, boxOf(pyramid_.finest().grid)),
                [&](Vec3i block) {
                  const Box3 shown = boxesOf(0)->of(block);
@@ -303,6 +312,7 @@ Box3 ShownLevels::reachIn(int level, Vec3i index) {
   Box3 reach = reachOf(index);
   // Inside a solid body the neighbours add nothing.
   if (reach == region) return reach;
+  // Interpolation carries what the neighbours show into this region, by part of a voxel.
   const Vec3i one{1, 1, 1};
   visitIndices(intersect({index - one, index + one + one}, boxOf(at.blocks.grid)),
                [&](Vec3i block) { reach = unite(reach, reachOf(block)); });
@@ -323,6 +333,7 @@ Box3 ShownLevels::cellsShown(int level, Vec3i index, const Box3& region) {
     if (covered.hi[a] < region.hi[a] && owners.hi[a] < at.blocks.grid[a]) ++owners.hi[a];
   }
   Box3 shown;
+  // Samples beside a surface look at the cells around them.
   const Vec3i around = hasSurfaces() ? Vec3i{1, 1, 1} : Vec3i();
   owners = intersect({owners.lo - around, owners.hi + around}, boxOf(at.blocks.grid));
   visitIndices(owners, [&](Vec3i owner) {
@@ -342,6 +353,7 @@ Box3 ShownLevels::cellsShown(int level, Vec3i index, const Box3& region) {
 
 std::optional<ObjectBlock> ShownLevels::partOf(int level, Vec3i index, int64_t time) {
   const Box3 finest = finestBox(level, index);
+  // Nothing of the finest level reaches here: the block is left out, whatever its own level holds.
   if (finest.empty()) return std::nullopt;
   return objectOf(level, index, time, finest);
 }
@@ -358,7 +370,7 @@ ObjectBlock ShownLevels::objectOf(int level, Vec3i index, int64_t time, const Bo
   const Box3 region = pyramid_.regionOf(level, index);
   if (isAsFinest(level))
     object.cells = finest;
-  else
+  else  // without ranges of its own, anything may show
     object.cells = boxesOf(level) != nullptr ? cellsShown(level, index, region) : region;
   object.cells = intersect(object.cells, crop_);
   if (object.cells.empty()) {

@@ -13,9 +13,11 @@ std::vector<LookPtr> looksBesideSurfaces(const TimeStep& step, const Look& look)
     looks.push_back(std::make_shared<const Look>(
         Look{std::move(transfer), std::move(table), std::make_shared<const LookUp>()}));
   };
+  // Opacity of its own may be thin, too, beside the surfaces.
   TransferFunction alone = look.transfer;
   alone.surfaces.clear();
   for (const IsoSurface& surface : look.transfer.surfaces)
+    // Opaque below the value, or above it: a sheet or a gap is thin on one of its sides.
     for (const double below : {0.0, 1.0}) {
       TransferFunction side;
       side.colors = alone.colors;

@@ -56,6 +56,7 @@ Sides sidesOfVoxels(const VolumeBlock& block, double value) {
 
 // The cells between the voxels, each with the sides of its eight corners.
 Sides sidesOfCells(const Sides& voxels) {
+  // A cell has the sides of all its corners: it is passed if it has both.
   Sides cells{{voxels.places.lo, voxels.places.hi - Vec3i{1, 1, 1}}, {}};
   cells.of.resize(static_cast<size_t>(cells.places.count()));
   const Vec3i size = voxels.places.size();
@@ -105,6 +106,8 @@ bool losesBySpreads(const Sides& cells, const Box3& among) {
       for (int64_t x = box.lo.x; x < box.hi.x; ++x) {
         const uint8_t sides = cells.at({x, y, z});
         const Vec3i cell{x, y, z};
+        // The spreads say that both sides may lie here, and the means show only one. A surface that
+        // a cell beside this one shows has only moved.
         if (hasAll(sides, kMayPass) && !hasAll(sides, kPassed) &&
             !anyPassed(cells, withCellsAround({cell, cell + Vec3i{1, 1, 1}})))
           return true;
@@ -117,6 +120,7 @@ bool losesBySpreads(const Sides& cells, const Box3& among) {
 Box3 passedBox(const SliceRanges& finest, size_t held, const Box3& owned, double value) {
   return visitDeviceType(finest.map.type, [&](auto zero) {
     using T = decltype(zero);
+    // A surface lies between a value below its own and one that is equal or above.
     const auto passes = [&](T lo, T hi) {
       return static_cast<double>(lo) < value && static_cast<double>(hi) >= value;
     };
@@ -129,6 +133,7 @@ bool losesByRanges(const BlockName& name, const Sides& cells, const SurfaceQuest
   if (name.level > kMostLevel) return false;
   const LevelLayout& level = asked.pyramid.of(name);
   const BlockLayout& layout = asked.finest.layout;
+  // Blocks that are not held are uniform: no surface lies in them.
   const std::vector<int64_t>& all = asked.finest.blocks;
   const Box3 blocks = asked.pyramid.finestBlocksOf(name);
   for (int64_t z = blocks.lo.z; z < blocks.hi.z; ++z)
@@ -147,6 +152,8 @@ bool losesByRanges(const BlockName& name, const Sides& cells, const SurfaceQuest
           touched.lo[a] = std::min(touched.lo[a], cells.places.hi[a] - 1);
           touched.hi[a] = std::max(touched.hi[a], cells.places.lo[a] + 1);
         }
+        // The ranges tell that the finest level passes the value somewhere in the box, not where:
+        // it is lost only if no coarse cell of the box passes it.
         if (!anyPassed(cells, withCellsAround(touched))) return true;
       }
     }
@@ -158,6 +165,7 @@ bool losesByRanges(const BlockName& name, const Sides& cells, const SurfaceQuest
 bool losesSurface(const BlockName& name, const VolumeBlock& block, const SurfaceQuestion& asked) {
   const Sides voxels = sidesOfVoxels(block, asked.value);
   const Sides cells = sidesOfCells(voxels);
+  // A block one voxel thick has no cells.
   if (cells.of.empty()) return false;
   return (block.numbers == 2 &&
           losesBySpreads(cells, cellsWithMiddleIn(asked.pyramid.of(name), asked.cells))) ||

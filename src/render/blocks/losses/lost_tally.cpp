@@ -12,6 +12,7 @@ void LostTally::ask(const TimeStep& step, const LookPtr& look, const Box3& crop)
   Key key{step, look, crop};
   const MutexLock lock(mutex_);
   if (asked_ != nullptr && asked_->key == key) return;
+  // Answers hold for one question alone.
   is_lost_.clear();
   std::vector<double> values;
   for (const SurfaceLevel& surface : look->table.surfaces()) values.push_back(surface.level);
@@ -29,6 +30,7 @@ void LostTally::expect(const VisibleBlocksPtr& visible) {
   const MutexLock lock(mutex_);
   SLUICE_CHECK(asked_ != nullptr);
   if (asked_->visible == visible) return;
+  // A new object: readers that have begun keep the one that they have.
   Asked with_blocks = *asked_;
   with_blocks.visible = visible;
   asked_ = std::make_shared<const Asked>(std::move(with_blocks));
@@ -42,6 +44,7 @@ LostTally::AskedPtr LostTally::asked() const {
 void LostTally::note(const BlockName& name, const VolumeBlock& block) {
   if (name.level == 0) return;
   const AskedPtr asked = this->asked();
+  // Before expect() it is not known which blocks are the picture's, and with which cells.
   if (asked == nullptr || asked->visible == nullptr) return;
   const std::vector<ObjectBlock>& blocks = asked->visible->blocks;
   const auto at = std::ranges::lower_bound(blocks, name, {}, &ObjectBlock::name);
@@ -74,6 +77,7 @@ bool LostTally::loses(const Asked& asked, const ObjectBlock& object, const Volum
 void LostTally::store(const AskedPtr& asked, const BlockName& name, bool is_lost) {
   const MutexLock lock(mutex_);
   if (asked_ == nullptr || !(asked_->key == asked->key)) return;
+  // Bounded, so that a long run does not grow. Blocks that are forgotten are judged again.
   if (is_lost_.size() >= kMostBlocks && !is_lost_.contains(name)) is_lost_.clear();
   is_lost_[name] = is_lost;
 }

@@ -23,6 +23,7 @@ void SpreadTally::note(const BlockName& name, const VolumeBlock& block) {
     spreads = {static_cast<double>(largest), sum / static_cast<double>(count)};
   });
   const MutexLock lock(mutex_);
+  // Bounded, so that a long run does not grow.
   if (by_block_.size() >= kMostBlocks && !by_block_.contains(name)) by_block_.clear();
   by_block_[name] = spreads;
 }
@@ -34,7 +35,9 @@ std::optional<StandingSpread> SpreadTally::of(const VisibleBlocks& blocks, doubl
   for (const ObjectBlock& block : blocks.blocks) {
     const auto found = by_block_.find(block.name);
     if (found == by_block_.end()) continue;
+    // By the cells that the picture shows, so that a block that hardly shows counts little.
     const auto weight = static_cast<double>(block.cells.count());
+    // A negative scale turns values round, but a spread stays one.
     standing.largest = std::max(standing.largest, found->second.largest * std::abs(scale));
     sum += weight * found->second.mean * std::abs(scale);
     cells += weight;
