@@ -9,6 +9,7 @@
 namespace sluice {
 namespace {
 
+// A key for each piece: a frame that sees a corner of the volume reads that corner's boxes.
 IndexKey keyOf(const VolumeSource& source, int64_t time, const BlockLayout& layout, int64_t first) {
   return {source.identity(),
           fmt::format("boxes-{}{}-{}-from{}", layout.size, layout.ghost == 0 ? "" : "-lit",
@@ -84,6 +85,7 @@ BoxTreePtr BoxStore::treeIfMade(int64_t block) {
 
 BoxTreePtr BoxStore::treeOf(int64_t block, bool may_build, const ReadPurpose& purpose) {
   SLUICE_CHECK(block >= 0 && block < origin_.layout.blockCount());
+  // The index holds no trees of background blocks.
   if (!std::binary_search(ranges_.blocks.begin(), ranges_.blocks.end(), block)) {
     const MutexLock lock(mutex_);
     ++background_requests_;
@@ -93,6 +95,7 @@ BoxTreePtr BoxStore::treeOf(int64_t block, bool may_build, const ReadPurpose& pu
     BoxTreePtr tree = trees_.get(block, 0, [&] {
       BoxTreePtr made = decode(block, may_build, purpose);
       const uint64_t bytes = made == nullptr ? 0 : made->bytes();
+      // A tree that is not kept goes to the threads that wait for it now.
       const bool keep = made != nullptr && bytes <= budget_bytes_;
       return Trees::Loaded{std::move(made), bytes, keep};
     });
@@ -102,6 +105,7 @@ BoxTreePtr BoxStore::treeOf(int64_t block, bool may_build, const ReadPurpose& pu
 }
 
 BoxTreePtr BoxStore::decode(int64_t block, bool may_build, const ReadPurpose& purpose) {
+  // Held while the piece is read or built: the header promises one at a time.
   const MutexLock lock(mutex_);
   const Vec3i cells = origin_.layout.ownedCells(origin_.layout.indexOf(block)).size();
   const BoxesPiece* piece = pieceOf(block, may_build, purpose);
@@ -123,6 +127,7 @@ BoxTreePtr BoxStore::decode(int64_t block, bool may_build, const ReadPurpose& pu
 const BoxesPiece* BoxStore::pieceOf(int64_t block, bool may_build, const ReadPurpose& purpose) {
   const auto [first, count, blocks] = pieceSpan(ranges_, block);
   if (piece_ && piece_->first == first) return &*piece_;
+  // The old piece goes before the new one is read, so that one is in memory at a time.
   piece_.reset();
   piece_ = readPiece(first, count);
   if (piece_) {
@@ -145,10 +150,12 @@ BoxesPiece BoxStore::buildPiece(int64_t first, int64_t count, const ReadPurpose&
   std::vector<std::vector<std::byte>> trees(static_cast<size_t>(count));
   ProgressMeter progress;
   const auto grow = [&](int64_t block, const BrickGrid& grid) {
+    // Voxels that contradict the ranges mean that the file has changed: no index is made of them.
     expectSameValues(source_, time_, ranges_, block, grid);
     trees[static_cast<size_t>(block - first)] = serialize(growBoxTree(grid, origin_.parameters));
   };
   ReadVoxels read;
+  // Voxels go through the caller's levels, which count them.
   if (read_) read = [&](int64_t time, const RegionRead& region) { read_(time, region, purpose); };
   forEachBlockBricks(source_, time_, origin_.layout, pieceSpan(ranges_, first).blocks, pool_,
                      progress, growing_bytes_, grow, purpose.stop, read);
@@ -187,11 +194,13 @@ void BoxIndexWriter::add(int64_t block, const BoxTree& tree) {
   std::vector<std::byte> bytes = serialize(tree);
   const auto [first, count, blocks] = pieceSpan(ranges_, block);
   Pending whole;
+  // Only the last of a piece's blocks writes it, outside the lock.
   {
     const MutexLock lock(mutex_);
     Pending& pending = pending_[first];
     if (pending.trees.empty()) {
       pending.trees.resize(static_cast<size_t>(count));
+      // Background blocks are never added: their trees stay empty.
       pending.missing = static_cast<int64_t>(blocks.size());
     }
     pending.trees[static_cast<size_t>(block - first)] = std::move(bytes);

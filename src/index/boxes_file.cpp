@@ -54,6 +54,7 @@ class TreeReader {
     // Each takes bytes, so that no count leads to more memory than there are.
     for (uint32_t i = 0; i < textures; ++i)
       if (!readTexture()) return std::nullopt;
+    // Rooms wait on a stack, because a damaged file might be nested deeper than calls can be.
     std::vector<Room> waiting{{boxOf(cells_), -1, false, 0}};
     while (!waiting.empty()) {
       const Room room = waiting.back();
@@ -69,6 +70,7 @@ class TreeReader {
     GrownBox box;
     if (!in_.value(box.lo) || !in_.value(box.hi) || !sluice::read(in_, box)) return false;
     tree_.textures.push_back(box);
+    // A texture must have cells, all of them in the block.
     return !box.local().empty() && boxOf(cells_).contains(box.local());
   }
 
@@ -86,12 +88,15 @@ class TreeReader {
       tree_.nodes.push_back(node);
       return readLeaf(room.cells);
     }
+    // Walks through a tree rely on this limit.
     if (!in_.value(node.plane) || room.depth >= kMostTreeDepth) return false;
+    // The plane must part the room, otherwise a subtree would have no cells.
     if (node.plane <= room.cells.lo[node.axis] || node.plane >= room.cells.hi[node.axis])
       return false;
     tree_.nodes.push_back(node);
     Room low{room.cells, at, false, room.depth + 1}, high{room.cells, at, true, room.depth + 1};
     low.cells.hi[node.axis] = high.cells.lo[node.axis] = node.plane;
+    // The lower room is on top, as its nodes come first in the file.
     waiting.push_back(high);
     waiting.push_back(low);
     return true;
@@ -102,9 +107,11 @@ class TreeReader {
     uint32_t texture = 0;
     if (!in_.value(texture) || !sluice::read(in_, box) || texture >= tree_.textures.size())
       return false;
+    // Cells are not stored: they follow from the planes.
     setCells(box, cells);
     tree_.boxes.push_back(box);
     tree_.texture_of.push_back(texture);
+    // A box outside its texture would sample voxels that are not its own.
     return tree_.textures[texture].local().contains(cells);
   }
 
@@ -200,10 +207,12 @@ std::optional<BoxesPiece> deserializeBoxesPiece(std::span<const std::byte> bytes
   if (!in.value(header) || header != headerOf(origin, first, count)) return std::nullopt;
   BoxesPiece piece;
   piece.first = first;
+  // The count is the piece's own, and the bytes may be fewer.
   if (in.left().size() / sizeof(uint64_t) < static_cast<uint64_t>(count)) return std::nullopt;
   for (int64_t i = 0; i < count; ++i) {
     uint64_t end = 0;
     const uint64_t least = piece.ends.empty() ? 0 : piece.ends.back();
+    // Ends ascend, so that treeBytes() never reaches beyond the bytes.
     if (!in.value(end) || end < least) return std::nullopt;
     piece.ends.push_back(end);
   }

@@ -40,6 +40,7 @@ FirstPass planFirstPass(VolumeSource& source, int64_t time, const BlockLayout& l
   const auto device_bytes = static_cast<double>(bytesPerVoxel(deviceMap(voxels).type));
   constexpr double kAxes = 3, kEnds = 2;
   const Vec3i bricks = brickGrid(brickCells(layout.dims, source.occupancy(time))).grid();
+  // Bricks and arrays stay resident, so that they must fit even if nothing else is in memory.
   const double array_bytes =
       static_cast<double>(volume(bricks)) * kEnds * device_bytes +
       blocksAtMost(source, time, layout) *
@@ -52,6 +53,7 @@ FirstPass planFirstPass(VolumeSource& source, int64_t time, const BlockLayout& l
         voxels.name, voxels.dims.x, voxels.dims.y, voxels.dims.z, layout.size,
         wholeMebibytes(array_bytes), formatBytes(memory_bytes), wholeMebibytes(array_bytes));
 
+  // A volume smaller than a block is read whole.
   const Vec3i block = min(voxels.dims, Vec3i{layout.size, layout.size, layout.size});
   const uint64_t block_bytes = static_cast<uint64_t>(volume(block)) *
                                (bytesPerVoxel(voxels.type) + static_cast<uint64_t>(device_bytes));
@@ -66,6 +68,7 @@ FirstPass planFirstPass(VolumeSource& source, int64_t time, const BlockLayout& l
   FirstPass pass;
   pass.threads = static_cast<int>(
       std::clamp<uint64_t>(for_threads / thread_bytes, 1, static_cast<uint64_t>(threads)));
+  // More memory makes the pass no faster (kMostIndexingBytes).
   const uint64_t held = static_cast<uint64_t>(pass.threads) * source.heldBytesAThread();
   pass.voxel_bytes = std::min(for_threads - std::min(for_threads, held), kMostIndexingBytes);
   return pass;

@@ -52,6 +52,7 @@ std::string headerAndKey(Header header, const std::string& key_text) {
 // `what` as a file name; a hash tells apart names that had to be changed.
 std::string fileName(const std::string& what) {
   std::string name;
+  // Names of files are limited, to 255 bytes on most systems.
   bool changed = what.empty() || what.size() > 100;
   for (const char c : what.substr(0, 100)) {
     const bool safe = std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-' || c == '_' ||
@@ -79,6 +80,7 @@ struct Verdict {
 Verdict readFile(const std::filesystem::path& path, const IndexKey& key) {
   // Opened without blocking, because the path may be a pipe.
   const Descriptor file(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
+  // A missing file is no reason for a note; anything else is.
   if (!file && (errno == ENOENT || errno == ENOTDIR)) return {IndexState::kMissing, "", {}};
   const std::optional<uint64_t> size = sizeOf(file);
   if (!size) return {IndexState::kTorn, "not a file that can be read", {}};
@@ -98,6 +100,7 @@ Verdict readFile(const std::filesystem::path& path, const IndexKey& key) {
   if (!readAll(file.get(), std::as_writable_bytes(std::span(key_text))))
     return {IndexState::kTorn, "cut short", {}};
   Header expected;
+  // The checksum covers the header, with 0 in the place of the checksum, and the key.
   std::memcpy(&expected, headerAndKey(header, key_text).data(), sizeof expected);
   if (header.header_checksum != expected.header_checksum)
     return {IndexState::kTorn, "damaged in its header", {}};
@@ -106,6 +109,7 @@ Verdict readFile(const std::filesystem::path& path, const IndexKey& key) {
   if (header.key_version != key.version)
     return {IndexState::kStale, "of another version of sluice", {}};
   Verdict verdict;
+  // Large pages, because fresh memory costs as much as reading into it.
   reserveLarge(verdict.blob, header.blob_bytes);
   verdict.blob.resize(header.blob_bytes);
   if (!readAll(file.get(), verdict.blob)) return {IndexState::kTorn, "cut short", {}};
@@ -122,6 +126,7 @@ void writeFile(const std::filesystem::path& path, const IndexKey& key,
   header.what_bytes = static_cast<uint32_t>(key.what.size());
   header.blob_bytes = blob.size();
   header.blob_checksum = checksumOf(blob);
+  // Readers see the old file or the new one, and two writers never mix.
   AtomicFile file(path);
   file.write(headerAndKey(header, key.identity + key.what));
   file.write(blob);
@@ -148,6 +153,8 @@ IndexPlaces indexPlaces(const std::string& volume, const IndexWish& wish) {
   places.disabled = wish.disabled;
   if (places.disabled) return places;
   std::error_code ignored;
+  // The full name without trailing slashes, so that one folder has one index whatever the way to
+  // it.
   std::string full = volume;
   std::filesystem::path beside;
   if (!isSynthSpec(volume)) {
@@ -161,6 +168,7 @@ IndexPlaces indexPlaces(const std::string& volume, const IndexWish& wish) {
     places.written = places.folders.front();
   }
   if (!beside.empty()) {
+    // The first folder that has an index is read. New ones go to one place only.
     places.folders.insert(wish.beside ? places.folders.begin() : places.folders.end(), beside);
     if (wish.beside) places.written = beside;
   }
@@ -181,6 +189,7 @@ IndexRead readIndex(const IndexPlaces& places, const IndexKey& key) {
     Verdict verdict = readFile(path, key);
     if (verdict.state == IndexState::kFound)
       return {IndexState::kFound, std::move(verdict.blob), path, ""};
+    // The first index that cannot be used is noted, in case none can.
     if (verdict.state != IndexState::kMissing && result.state == IndexState::kMissing)
       result = {verdict.state, std::nullopt, path,
                 fmt::format("{}: {}, not used", path.string(), verdict.reason)};
@@ -191,6 +200,7 @@ IndexRead readIndex(const IndexPlaces& places, const IndexKey& key) {
 bool removeIndices(const std::filesystem::path& folder) {
   std::error_code status;
   std::vector<std::filesystem::path> files;
+  // Only names of ours are removed: the folder may be the user's.
   for (std::filesystem::directory_iterator it(folder, status), end; !status && it != end;
        it.increment(status))
     if (it->path().extension() == ".idx") files.push_back(it->path());
@@ -210,6 +220,7 @@ IndexWritten writeIndex(const IndexPlaces& places, const IndexKey& key,
   else if (places.written.empty())
     result.note = "no index is kept: name a folder for it (--index-dir, SLUICE_INDEX_DIR, HOME)";
   if (!result.note.empty()) return result;
+  // The status is looked at inside the try, so that all failures become a note.
   std::error_code status;
   std::filesystem::create_directories(places.written, status);
   try {

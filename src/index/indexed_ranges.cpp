@@ -20,6 +20,7 @@ namespace {
 constexpr uint32_t kLearntVersion = 1;
 
 std::string nameOf(const VolumeSource& source, int64_t time, const BlockLayout& layout) {
+  // A volume of several levels has a ghost layer more, and other arrays with it.
   return fmt::format("{}{}-{}", layout.size,
                      layout.ghost == 0   ? ""
                      : layout.ghost == 1 ? "-lit"
@@ -45,6 +46,8 @@ struct Kept {
 
 // The ranges, the bricks, and how many bytes the bricks are.
 std::vector<std::byte> bytesOf(const SliceRanges& ranges, const BrickRanges& bricks) {
+  // The length of the bricks comes last, so that the ranges begin where their own reader expects
+  // them.
   ByteWriter end;
   end.bytes = sluice::serialize(bricks);
   end.value<uint64_t>(end.bytes.size());
@@ -55,6 +58,7 @@ std::vector<std::byte> bytesOf(const SliceRanges& ranges, const BrickRanges& bri
 
 std::optional<Kept> keptFrom(std::span<const std::byte> bytes, const BlockLayout& layout,
                              const ValueMap& map) {
+  // The bytes may be anybody's: no length is believed before it is compared with what is there.
   uint64_t brick_bytes = 0;
   if (bytes.size() < sizeof brick_bytes) return std::nullopt;
   ByteReader(bytes.last(sizeof brick_bytes)).value(brick_bytes);
@@ -101,6 +105,7 @@ std::optional<IndexedRanges> keptRanges(const VolumeSource& source, const IndexP
 void keepLearnt(const VolumeSource& source, const IndexPlaces& places, int64_t time,
                 const SliceRanges& ranges) {
   ByteWriter out;
+  // The unknown blocks come first, since the ranges are read to their end.
   out.list(ranges.unknown);
   out.value<uint8_t>(ranges.is_listed ? 1 : 0);
   const std::vector<std::byte> bytes = sluice::serialize(ranges);
@@ -118,7 +123,7 @@ std::optional<SliceRanges> keptLearnt(const VolumeSource& source, const IndexPla
   if (!reader.list(unknown) || !reader.value(is_listed) || is_listed > 1) return std::nullopt;
   auto ranges = sluice::deserialize(reader.left(), layout, deviceMap(source.layout()));
   if (!ranges) return std::nullopt;
-  // Each block is known or not.
+  // Each block is known or not, and the loops over blocks need ascending ids.
   const bool is_sound =
       std::ranges::is_sorted(unknown, std::less_equal<>()) &&
       (unknown.empty() || (unknown.front() >= 0 && unknown.back() < layout.blockCount())) &&
@@ -126,6 +131,7 @@ std::optional<SliceRanges> keptLearnt(const VolumeSource& source, const IndexPla
         return std::ranges::binary_search(unknown, block);
       });
   if (!is_sound) return std::nullopt;
+  // Without a listing no block is background: each is unknown or held.
   if (is_listed == 0 &&
       static_cast<int64_t>(unknown.size() + ranges->blocks.size()) != layout.blockCount())
     return std::nullopt;
@@ -139,17 +145,22 @@ IndexedRanges indexedRanges(VolumeSource& source, const IndexPlaces& places, int
                             const BlockLayout& layout, WorkerPool& pool, ProgressMeter& progress,
                             uint64_t memory_bytes, const StopToken& stop, VoxelTaker* taker) {
   const IndexKey key = keyOf(source, time, layout);
+  // The plan reads the source's listing, which may take long: it is made only if a pass follows.
   const auto plan = [&] {
+    // A thread that waits for files leaves its processor idle, so that such sources have several
+    // for each.
     const int each = pool.threads() > 1 ? source.passReads().threads_each : 1;
     return planFirstPass(source, time, layout, memory_bytes,
                          std::max(each * pool.threads(), source.distantReads()));
   };
   std::optional<WorkerPool> other;
   const auto threadsOf = [&](const FirstPass& pass) -> WorkerPool& {
+    // Memory may allow fewer threads than the pool has, and slow sources want more.
     return pass.threads != pool.threads() ? other.emplace(pass.threads) : pool;
   };
   IndexedRanges result;
   if (readKept(source, places, key, layout, result)) {
+    // A taker wants to see all voxels, also if the ranges are there.
     if (taker == nullptr) return result;
     const FirstPass pass = plan();
     passVoxels(source, time, layout, threadsOf(pass), progress, pass.voxel_bytes, stop, *taker);
@@ -158,6 +169,7 @@ IndexedRanges indexedRanges(VolumeSource& source, const IndexPlaces& places, int
   const FirstPass pass = plan();
   result.ranges = buildSliceRanges(source, time, layout, threadsOf(pass), progress,
                                    pass.voxel_bytes, stop, result.bricks, taker);
+  // An index that cannot be kept is no failure: the next opening makes it anew.
   IndexWritten written = writeIndex(places, key, bytesOf(result.ranges, result.bricks));
   result.path = std::move(written.path);
   result.state = result.path.empty() ? "built, not kept" : "built";

@@ -32,6 +32,7 @@ SeriesHeader headerOf(const SeriesRecipe& recipe) {
 }
 
 void write(ByteWriter& out, const TransferFunction& transfer) {
+  // Colours do not count: functions follow from opacities alone.
   out.list(transfer.opacities);
   out.value<uint8_t>(transfer.labels ? 1 : 0);
   out.value(static_cast<uint32_t>(transfer.gradients.size()));
@@ -64,6 +65,7 @@ class Unpacker {
   explicit Unpacker(const std::vector<uint8_t>& bytes) : bytes_(bytes) {}
   bool value(uint64_t& v) {
     v = 0;
+    // At most nine bytes: more would shift bits out of the number.
     for (unsigned shift = 0; shift < 63 && at_ < bytes_.size(); shift += 7) {
       const uint8_t byte = bytes_[at_++];
       v |= uint64_t{byte & 127U} << shift;
@@ -106,9 +108,13 @@ std::vector<uint8_t> packFunctions(const SeriesOpacity& series) {
 
 bool unpackFunctions(const std::vector<uint8_t>& bytes, uint64_t count, SeriesOpacity& series) {
   Unpacker in(bytes);
+  // Each function takes a byte at least, so that the count cannot claim more memory than the file
+  // has.
   if (count > bytes.size()) return false;
   for (uint64_t i = 0; i < count; ++i) {
     OpacityFunction function;
+    // Lookups do not check bounds again, so that each table must have the size that its block gives
+    // it.
     if (!in.byte(function.floor) || !in.list(function.ratios) || !in.list(function.parts) ||
         !in.list(function.detail) || !detailFits(function.parts, function.detail))
       return false;
@@ -155,10 +161,12 @@ bool unpackSpans(const std::vector<uint8_t>& bytes, SeriesOpacity& series,
       uint64_t later = 0, function = 0;
       if (!in.value(later) || !in.value(function) || !fitsBlock(series, block, function))
         return false;
+      // The first span of a block begins at step 0, and each other one later.
       if ((i == 0) != (later == 0) || later >= static_cast<uint64_t>(series.steps - at))
         return false;
       at += static_cast<int64_t>(later);
       series.spans.push_back({static_cast<int32_t>(at), static_cast<int32_t>(function)});
+      // Spans that begin after step 0 are the tree's.
       if (at > 0) of_block.push_back(static_cast<int32_t>(at));
     }
     series.first_span.push_back(static_cast<uint32_t>(series.spans.size()));
@@ -184,6 +192,7 @@ bool unpackSeries(ByteReader& in, const SeriesRecipe& recipe, SeriesOpacity& ser
   std::vector<std::vector<int32_t>> begins(static_cast<size_t>(layout.blockCount()));
   std::vector<uint64_t> bits;
   if (!unpackSpans(packed, series, begins) || !in.list(bits)) return false;
+  // The tree follows from the spans, so that a tree that differs is of other spans.
   series.tree.emplace(series.grid, series.steps, begins);
   return std::ranges::equal(series.tree->bits(), bits);
 }

@@ -35,6 +35,8 @@ void add(std::atomic<int64_t>& clock, Stopwatch& watch) {
   clock += static_cast<int64_t>(watch.lap() * 1e9);
 }
 
+// A run is taken through all steps at once: of each block, the representative and the current step
+// are in memory.
 class Pass {
  public:
   Pass(VolumeSource& source, const BlockLayout& layout, const std::vector<StepBlocks>& steps,
@@ -72,6 +74,7 @@ class Pass {
         std::clamp<int64_t>(static_cast<int64_t>(a_thread / bytesOfBlock()), 1, kMostRun);
     std::vector<Run> result;
     for (int64_t row = 0; row < layout_.grid.y * layout_.grid.z; ++row)
+      // A run stays within a row, whose voxels lie together.
       for (int64_t x = 0; x < layout_.grid.x; x += most)
         result.push_back({row * layout_.grid.x + x, std::min(most, layout_.grid.x - x)});
     return result;
@@ -114,6 +117,7 @@ class Pass {
 
   // The voxels of those blocks of the run that are not of one value, and of the blocks between
   // them; empty if there are none.
+  // The blocks in between are read along: one read of a box is cheaper than several.
   Box3 read(const Run& run, int64_t step, std::vector<std::byte>& voxels) {
     const StepBlocks& known = steps_[static_cast<size_t>(step)];
     Box3 box{};
@@ -130,6 +134,7 @@ class Pass {
     const StepBlocks& known = steps_[static_cast<size_t>(step)];
     const Box3 own = voxelsOf(block);
     const PartGrid grid{own.size() - Vec3i{1, 1, 1}, options_.part_cells / kDetail};
+    // A block of one value needs no voxel.
     if (known.isUniform(block)) {
       fillUniform(known.valuesOf(block).lo, grid, table_, out);
       return;
@@ -164,6 +169,8 @@ class Pass {
     if (joins) {
       if (counts) ++coherent_[step];
       if (is_empty) {
+        // The representative has the least opacity of its steps, so that it hides no more than any
+        // of them.
         growing.is_empty = true;  // the least of both
       } else if (!growing.is_empty) {
         fuse(growing.representative, current);
@@ -173,6 +180,7 @@ class Pass {
     }
     add(clocks_.fusion, watch);
     finishSpan(growing);
+    // The lap leaves out the functions, which finishSpan() has counted itself.
     watch.lap();
     growing.since = static_cast<int32_t>(step);
     growing.is_empty = is_empty;
@@ -184,6 +192,7 @@ class Pass {
     const std::vector<float>& before = growing.representative.opacity;
     if (!growing.is_empty && !is_empty) return blockDifference(before, current.opacity);
     const std::vector<float>& other = is_empty ? before : current.opacity;
+    // An empty block has no opacity anywhere.
     return blockDifference(other, std::vector<float>(other.size(), 0));
   }
 
@@ -270,6 +279,7 @@ SeriesOpacity makeSeriesOpacity(VolumeSource& source, const BlockLayout& layout,
   Stopwatch watch;
   gather(series, std::move(blocks));
   if (report == nullptr) return series;
+  // The clocks add up over the threads, and the report tells the time that passed.
   const double a_second = 1e-9 / pool.threads();
   report->read_seconds = static_cast<double>(pass.clocks().read) * a_second;
   report->fusion_seconds = static_cast<double>(pass.clocks().fusion) * a_second;

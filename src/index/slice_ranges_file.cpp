@@ -67,6 +67,7 @@ std::optional<SliceRanges> deserialize(std::span<const std::byte> bytes, const B
   ranges.layout = layout;
   ranges.map = map;
   RangesHeader header{};
+  // A header that differs belongs to another volume or layout under the same key.
   const bool whole = in.value(header) && header == headerOf(layout, map) &&
                      in.value(ranges.background) && in.value(ranges.device_range) &&
                      in.value(ranges.far_range) && in.value(ranges.counts.changes) &&
@@ -74,6 +75,7 @@ std::optional<SliceRanges> deserialize(std::span<const std::byte> bytes, const B
                      in.list(ranges.blocks) && in.list(ranges.totals) && in.list(ranges.planes) &&
                      in.left().empty();
   if (!whole) return std::nullopt;
+  // Sizes are compared with the number of blocks, so that no index reaches beyond the arrays.
   const size_t element = 2 * bytesPerVoxel(map.type);
   const size_t held = ranges.blocks.size();
   if (ranges.totals.size() != held * element ||

@@ -23,6 +23,7 @@ BlockValues foundValues(const BlockLayout& layout, int64_t block, const VolumeBl
 // The end of the message: what the user can do about it.
 std::string removed(const std::filesystem::path& index) {
   if (index.empty()) return "open it again";
+  // The index is removed, because it would fail the next opening, too.
   if (removeIndices(index.parent_path()))
     return fmt::format("its index in {} was removed: give the same command again",
                        index.parent_path().string());
@@ -34,6 +35,7 @@ std::string removed(const std::filesystem::path& index) {
 
 BlockValues expectedValues(const SliceRanges& ranges, int64_t block) {
   const auto held = std::lower_bound(ranges.blocks.begin(), ranges.blocks.end(), block);
+  // Blocks that are not held are background.
   if (held == ranges.blocks.end() || *held != block) return {ranges.background, ranges.background};
   const auto at = static_cast<size_t>(held - ranges.blocks.begin());
   return visitDeviceType(ranges.map.type, [&](auto tag) -> BlockValues {
@@ -56,6 +58,7 @@ void expectSameValues(const BlockName& name, const BlockValues& found, const Blo
 
 void StaleCheck::expect(const BlockName& grid, const std::shared_ptr<const SliceRanges>& ranges) {
   const MutexLock lock(mutex_);
+  // Steps that nobody draws any more are forgotten here, so that a long series does not grow.
   std::erase_if(expected_, [](const auto& entry) { return entry.second.expired(); });
   expected_[grid.withBlock(0)] = ranges;
 }
@@ -64,9 +67,11 @@ void StaleCheck::check(const BlockName& name, const VolumeBlock& block) const {
   std::shared_ptr<const SliceRanges> ranges;
   {
     const MutexLock lock(mutex_);
+    // The lock is held for the look-up alone: blocks are compared on all reading threads.
     const auto found = expected_.find(name.withBlock(0));
     if (found != expected_.end()) ranges = found->second.lock();
   }
+  // Unknown blocks have no ranges to compare with.
   if (ranges == nullptr || !ranges->isKnown(name.block)) return;
   const BlockValues found = visitDeviceType(ranges->map.type, [&](auto tag) {
     return foundValues<decltype(tag)>(ranges->layout, name.block, block);

@@ -26,6 +26,7 @@ std::vector<BlockRun> runsOf(const BlockLayout& layout, std::span<const int64_t>
                              uint64_t most) {
   std::vector<BlockRun> runs;
   for (size_t i = 0; i < blocks.size(); ++i) {
+    // A run stays in its row: ids go on in the next row, but the voxels do not.
     const bool joins = i > 0 && blocks[i] == blocks[i - 1] + 1 && blocks[i] % layout.grid.x != 0 &&
                        runs.back().count < most;
     if (joins)
@@ -42,6 +43,7 @@ Vec3d voxelSize(const VolumeLayout& layout) {
 
 // Voxels read for a whole block; see voxelsAround.
 uint64_t cornerVoxels(const BlockLayout& layout) {
+  // The planes of the cells' corners, and one more on each side for central differences.
   const int64_t side = layout.cells() + 3;
   return static_cast<uint64_t>(volume(Vec3i{side, side, side}));
 }
@@ -99,6 +101,7 @@ class Counter {
   }
 
   void addPerfect(const BrickGrid& grid, PartitionCost& cost) const {
+    // Perfect bricks have 8 cells, which must be whole bricks of ours.
     if (kPerfectSide % grid.side != 0) return;
     const int64_t side = kPerfectSide / grid.side;
     for (int64_t z = 0; z < grid.size.z; z += side)
@@ -141,6 +144,7 @@ Extent extentOf(const BlockLayout& layout, const Box3& blocks, const Box3& crop)
       const int64_t first = i * layout.cells();
       const int64_t end =
           std::min({first + layout.cells(), layout.dims[a] - 1, crop.hi[a]}) - first;
+      // A block's last bricks may be cut by the crop: bricks count from the block's first cell.
       const int64_t begin = std::max(crop.lo[a] - first, int64_t{0});
       if (begin >= end) continue;
       ++sum.blocks;
@@ -161,6 +165,8 @@ void addBackground(const SliceRanges& ranges, const OpacityTable& table, const B
   cost.boxes += count;
   cost.types[static_cast<size_t>(BoxType::kUniform)] += count;
   if (count == 0 || !table.shown().anyIn(ranges.background, ranges.background)) return;
+  // All blocks as if they were background, less those that are held: sums over the axes need no
+  // list of the others.
   const Extent all = extentOf(layout, boxOf(layout.grid), crop);
   cost.visible_boxes += all.blocks;
   cost.visible_cells += all.cells;
@@ -200,6 +206,7 @@ void forEachBlockBricks(VolumeSource& source, int64_t time, const BlockLayout& l
       std::min(kMostBytesPerRead, most_bytes / static_cast<uint64_t>(pool.threads()));
   const uint64_t most = std::max<uint64_t>(1, bytes_per_read / growingBytes(voxels, layout));
   const std::vector<BlockRun> runs = runsOf(layout, blocks, most);
+  // Blocks of a run share planes, so that a little less is read.
   const uint64_t block_bytes = cornerVoxels(layout) * bytesPerVoxel(voxels.type);
   progress.expect(blocks.size() * block_bytes);
   const Vec3d voxel_size = voxelSize(voxels);
@@ -207,6 +214,7 @@ void forEachBlockBricks(VolumeSource& source, int64_t time, const BlockLayout& l
     stop.throwIfStopped();
     const BlockRun& run = runs[static_cast<size_t>(i)];
     const std::span<const int64_t> of_run = blocks.subspan(run.first, run.count);
+    // One read for the whole run, because rows of the volume lie together in the file.
     const Box3 cells = unite(layout.ownedCells(layout.indexOf(of_run.front())),
                              layout.ownedCells(layout.indexOf(of_run.back())));
     const DeviceVoxels held = readDevice(source, time, voxelsAround(cells, layout.dims), read);
