@@ -30,10 +30,12 @@ bool isInFront(const MapProjection& map, double at) {
 
 // Requires: isInFront.
 FaceMap faceMap(const MapProjection& map, double at) {
+  // Parallel to the direction: a place moves sideways in proportion to its distance from the plane.
   if (map.parallel) {
     const double way = (map.plane - at) / map.eye[map.axis];
     return {1, way * map.eye[map.u], 1, way * map.eye[map.v]};
   }
+  // By similar triangles about the eye.
   const double scale = (map.plane - map.eye[map.axis]) / (at - map.eye[map.axis]);
   return {scale, map.eye[map.u] * (1 - scale), scale, map.eye[map.v] * (1 - scale)};
 }
@@ -71,12 +73,16 @@ MapProjection makeMap(const RealBox& volume, bool parallel, Vec3d eye, Vec3d dir
     if (std::abs(direction[a]) > std::abs(direction[map.axis])) map.axis = a;
   }
   SLUICE_CHECK(direction[map.axis] != 0);
+  // The map lies across the axis that the view is most parallel to (Li 2003, section 4.1), so that
+  // boxes project onto it as rectangles.
   map.u = map.axis == 0 ? 1 : 0;
   map.v = map.axis == 2 ? 1 : 2;
   map.plane = direction[map.axis] > 0 ? volume.hi[map.axis] : volume.lo[map.axis];
   map.parallel = parallel;
   map.eye = parallel ? direction : eye;
   PlaneRect covered{volume.lo[map.u], volume.lo[map.v], volume.hi[map.u], volume.hi[map.v]};
+  // If the eye's plane cuts the volume, there is no projection: the map covers the volume's own
+  // face, and all outside it is visible.
   if (!reachesEye(map, volume))
     covered = unite(ontoPlane(map, volume, volume.lo[map.axis]),
                     ontoPlane(map, volume, volume.hi[map.axis]));
@@ -99,8 +105,10 @@ MapProjection perspectiveMap(const RealBox& volume, Vec3d eye, Vec3d direction, 
 
 MapRect project(const MapProjection& map, const RealBox& box) {
   constexpr double kEndless = std::numeric_limits<double>::infinity();
+  // Nothing may be hidden of a box without a projection.
   if (reachesEye(map, box)) return {-kEndless, -kEndless, kEndless, kEndless};
   const PlaneRect rect =
+      // A face's projection moves straight from the near to the far one: both bound the whole box.
       unite(ontoPlane(map, box, box.lo[map.axis]), ontoPlane(map, box, box.hi[map.axis]));
   return {(rect.u0 - map.u0) * map.u_scale, (rect.v0 - map.v0) * map.v_scale,
           (rect.u1 - map.u0) * map.u_scale, (rect.v1 - map.v0) * map.v_scale};
@@ -120,6 +128,7 @@ std::optional<RealBox> clip(const MapProjection& map, const RealBox& box, const 
   clipped.lo[map.v] = std::max(box.lo[map.v], bounds.v0);
   clipped.hi[map.u] = std::min(box.hi[map.u], bounds.u1);
   clipped.hi[map.v] = std::min(box.hi[map.v], bounds.v1);
+  // The visible part of the map lies beside the box.
   if (!(clipped.lo[map.u] < clipped.hi[map.u] && clipped.lo[map.v] < clipped.hi[map.v]))
     return std::nullopt;
   return clipped;

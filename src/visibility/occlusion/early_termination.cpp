@@ -14,8 +14,10 @@ class Curve {
  public:
   explicit Curve(const OpacityTable& table) : table_(table) {}
   double at(double device) const {
+    // The stand-in for NaN, and all that interpolation makes of it, shows nothing.
     if (device < -2e38) return 0;
     const double opacity = table_.opacity()[static_cast<size_t>(table_.entryOf(device))];
+    // An opaque sample ends any ray, whatever the threshold.
     return opacity >= 1 ? 1e3 : -std::log1p(-opacity);
   }
 
@@ -46,6 +48,7 @@ Stretch insideVolume(Vec3d origin, Vec3d step, Vec3i dims) {
   for (int a = 0; a < 3; ++a) {
     const double most = static_cast<double>(dims[a] - 1);
     if (step[a] == 0) {
+      // Half-open: a sample on the volume's last plane belongs to no cell.
       if (origin[a] < 0 || origin[a] >= most) return {0, -1};
       continue;
     }
@@ -64,11 +67,13 @@ std::vector<bool> reachedByRays(const WholeStep& step, int64_t block_cells,
   SLUICE_CHECK_EQ(step.voxels.size(), static_cast<size_t>(volume(dims)) * bytesPerVoxel(step.type));
   const Vec3i grid{ceilDiv(dims.x - 1, block_cells), ceilDiv(dims.y - 1, block_cells),
                    ceilDiv(dims.z - 1, block_cells)};
+  // A threshold of 1 ends no ray.
   const double limit = opacity_threshold >= 1 ? 1e300 : -std::log1p(-opacity_threshold);
   const Curve curve(table);
   Mutex mutex;
   std::vector<bool> reached(static_cast<size_t>(volume(grid)), false);
   pool.parallelFor(view.size.height, [&](int64_t y) {
+    // A list for each row of pixels, so that threads share nothing while they look at rays.
     std::vector<bool> mine(reached.size(), false);
     visitDeviceType(step.type, [&](auto tag) {
       const auto* voxels = reinterpret_cast<const decltype(tag)*>(step.voxels.data());
@@ -92,6 +97,7 @@ std::vector<bool> reachedByRays(const WholeStep& step, int64_t block_cells,
                  static_cast<int64_t>(std::max(view.first_slice, std::ceil(inside.from - 0.5)));
              static_cast<double>(k) + 0.5 < inside.to; ++k) {
           const Vec3d p = origin + way * (static_cast<double>(k) + 0.5);
+          // The stretch is rounded: its first and last samples may lie just outside.
           if (p.x < 0 || p.y < 0 || p.z < 0 || p.x >= static_cast<double>(dims.x - 1) ||
               p.y >= static_cast<double>(dims.y - 1) || p.z >= static_cast<double>(dims.z - 1))
             continue;
@@ -100,6 +106,8 @@ std::vector<bool> reachedByRays(const WholeStep& step, int64_t block_cells,
                                     grid.x +
                                 static_cast<int64_t>(p.x) / block_cells;
           if (block != last) {
+            // A ray that is opaque reaches no further block. Within a block it may become opaque on
+            // the way.
             if (sum >= limit) break;
             mine[static_cast<size_t>(block)] = true;
             last = block;

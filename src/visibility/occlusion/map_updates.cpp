@@ -9,12 +9,14 @@
 namespace sluice {
 
 UpdateSchedule::UpdateSchedule(int64_t voxels, int updates)
+    // The k updates come between k + 1 equal shares of the voxels.
     : voxels_(voxels), delta_(updates == 0 ? 0 : voxels / (int64_t{updates} + 1)), next_(delta_) {
   SLUICE_CHECK(voxels >= 0 && updates >= 0);
 }
 
 bool UpdateSchedule::isDueAfter(int64_t voxels) {
   drawn_ += voxels;
+  // After the last voxel there is nothing left to hide.
   if (delta_ == 0 || drawn_ < next_ || drawn_ >= voxels_) return false;
   // A large box may have passed several marks: one update serves them all.
   next_ = (drawn_ / delta_ + 1) * delta_;
@@ -37,12 +39,14 @@ void UpdateCount::finished(const UpdatePerformance& performance) {
   ++frame_;
   if (frame_ % options_.poll_every == 0) {
     for (int k = lowest(); k <= highest(); ++k) {
+      // The slot of this frame is as new as can be. The others have waited for one more poll.
       if (k == polled) continue;
       ++slot(k).age;
       if (slot(k).age > options_.oldest) slot(k).valid = false;
     }
     moveToBest();
   }
+  // Every nth frame tries the count that has waited longest (Li 2003, section 4.4).
   const bool polls = (frame_ + 1) % options_.poll_every == 0;
   next_ = polls ? longestNotUpdated() : center_;
 }
@@ -72,6 +76,7 @@ void UpdateCount::moveToBest() {
     const bool nearer = std::abs(k - center_) < std::abs(best - center_);
     if (gain > 0 || (gain == 0 && nearer)) best = k;
   }
+  // Performances of counts that stay in the window are kept.
   std::vector<Slot> moved(slots_.size());
   for (int k = lowest(); k <= highest(); ++k) {
     const int at = k - (best - options_.half_window);

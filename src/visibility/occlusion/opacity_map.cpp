@@ -19,6 +19,7 @@ MapRect unite(const MapRect& a, const MapRect& b) {
 
 OpacityMap::OpacityMap(int side) : side_(side) {
   SLUICE_CHECK_LE(1, side);
+  // Levels halve, rounded up, down to a single node.
   for (int size = side;; size = (size + 1) / 2) {
     levels_.push_back(
         {size, std::vector<float>(static_cast<size_t>(size) * static_cast<size_t>(size))});
@@ -51,6 +52,7 @@ void OpacityMap::update(std::span<const float> opacity) {
 // Below a node: skipped if it is opaque, or if everything it could add has been found already.
 void OpacityMap::addVisible(size_t level, int x, int y, const Pixels& asked, float threshold,
                             Pixels& found) const {
+  // The node's pixels, as far as they were asked for.
   const int shift = static_cast<int>(level);
   const Pixels node{std::max(x << shift, asked.x0), std::max(y << shift, asked.y0),
                     std::min(((x + 1) << shift) - 1, asked.x1),
@@ -76,6 +78,7 @@ MapRect OpacityMap::visiblePart(const MapRect& rect, float threshold) const {
   if (rect.empty()) return {};
   const auto all = static_cast<double>(side_);
   const MapRect inside = intersect(rect, {0, 0, all, all});
+  // Everything outside the map is visible, and so is everything before the first update.
   if (!valid_ || inside.empty()) return rect;
   MapRect visible;
   // The parts of `rect` outside the map are strips, one on each side that it crosses.
@@ -83,6 +86,7 @@ MapRect OpacityMap::visiblePart(const MapRect& rect, float threshold) const {
   if (rect.x1 > all) visible = unite(visible, {all, rect.y0, rect.x1, rect.y1});
   if (rect.y0 < 0) visible = unite(visible, {rect.x0, rect.y0, rect.x1, 0});
   if (rect.y1 > all) visible = unite(visible, {rect.x0, all, rect.x1, rect.y1});
+  // Pixels that the rectangle touches: a pixel that is covered in part may show there.
   const Pixels asked{static_cast<int>(inside.x0), static_cast<int>(inside.y0),
                      static_cast<int>(std::ceil(inside.x1)) - 1,
                      static_cast<int>(std::ceil(inside.y1)) - 1};

@@ -67,6 +67,7 @@ void addCells(const T* voxels, int64_t row_stride, int64_t plane_stride, const P
     for (size_t i = 0; i < front.lo().size(); ++i, ++at)
       least[at] = leastIn(table, std::min(front.lo()[i], behind.lo()[i]),
                           std::max(front.hi()[i], behind.hi()[i]));
+    // The planes take turns: the one behind these cells is in front of the next.
     std::swap(front, behind);
   }
 }

@@ -14,6 +14,7 @@ struct Angles {
 };
 
 Angles anglesOf(Vec3d direction) {
+  // A ray and its opposite pass through the same voxels.
   if (direction.z < 0) direction = direction * -1.0;
   const double theta = std::atan2(std::hypot(direction.x, direction.y), direction.z);
   double phi = std::atan2(direction.y, direction.x);
@@ -74,6 +75,7 @@ std::vector<int> DirectionGrid::cellsToward(Vec3d eye, Vec3d lo, Vec3d hi) const
   // The cone around the box's middle that holds its corners holds the box.
   const Vec3d middle = (lo + hi) * 0.5 - eye;
   const double radius = length(hi - lo) * 0.5;
+  // An eye in the box or near it may see it in any direction. The hundredth covers rounding.
   if (length(middle) <= 1.01 * radius) return allCells(count());
   const double reach = std::asin(radius / length(middle)) + 1e-9;
   const Angles at = anglesOf(middle);
@@ -82,12 +84,14 @@ std::vector<int> DirectionGrid::cellsToward(Vec3d eye, Vec3d lo, Vec3d hi) const
   const auto add = [&](double theta, double phi) {
     const int first = std::max(0, static_cast<int>(std::floor((theta - reach) / side)));
     const int last = std::min(rows - 1, static_cast<int>(std::floor((theta + reach) / side)));
+    // A cone around the pole has all phi.
     const double around = theta - reach <= 0 || theta + reach >= kPi
                               ? kPi
                               : std::asin(std::min(1.0, std::sin(reach) / std::sin(theta)));
     for (int row = first; row <= last; ++row)
       for (int i = static_cast<int>(std::floor((phi - around) / side));
            i <= static_cast<int>(std::floor((phi + around) / side)); ++i)
+        // Columns go round.
         cells.push_back(row * columns() + ((i % columns()) + columns()) % columns());
   };
   add(at.theta, at.phi);

@@ -65,6 +65,7 @@ class VisibilityEstimate::TileWork {
     for (int y = y0_; y < y1_; ++y) {
       if (!is_open_[static_cast<size_t>(y)]) continue;
       rays_.stretches(planes, y, x0_, x1_, entry_, exit_);
+      // A sample that may lie on either side of a face counts for both boxes, and hides in neither.
       samplesOf(entry_, exit_, x0_, x1_, -kSliceDoubt, first_, count_);
       const float* sum = sum_.data() + y * kSide;
       bool reached = false;
@@ -93,6 +94,7 @@ class VisibilityEstimate::TileWork {
     }
     if (batch_) batch_->finish();
     for (int y = y0_; y < y1_; ++y)
+      // Rows are summed after the batch, which follows rays of several rows together.
       if (is_open_[static_cast<size_t>(y)]) sumRow(kept, y);
   }
 
@@ -135,6 +137,7 @@ class VisibilityEstimate::TileWork {
   bool findKnown(const Added* kept, size_t row) {
     bool all = true;
     for (size_t i = row + first_x(); i < row + end_x(); ++i) {
+      // The sign marks a lower bound, so that a sum of 0 may be one, too.
       const float along = kept != nullptr ? kept->along[i] : -0.0F;
       is_known_[i] = !std::signbit(along) | (sum_[i] - along >= of_.limit_);
       added_[i] = std::abs(along);
@@ -149,6 +152,7 @@ class VisibilityEstimate::TileWork {
   void sumRow(Added* kept, int y) {
     const size_t row = static_cast<size_t>(y) * kSide;
     for (size_t i = row + first_x(); i < row + end_x(); ++i) {
+      // Both the parts and the table are lower bounds, so that the greater one holds.
       added_[i] = std::max(added_[i], by_table_[i]);
       if (kept != nullptr && !is_known_[i]) {
         const bool is_cut = has_parts_ && taken_[i] < counts_[i];
@@ -353,6 +357,7 @@ void VisibilityEstimate::estimateTile(Task& task) {
     const std::optional<size_t> affected = firstAffected(task);
     task.is_affected = affected.has_value();
     if (!affected) return;
+    // Without kept sums all blocks have to be added again.
     if (!tile.added.empty()) first = *affected;
   }
   std::unique_ptr<UnpackedParts> unpacked = takeUnpacked();
@@ -360,6 +365,7 @@ void VisibilityEstimate::estimateTile(Task& task) {
   bool is_opaque = false;
   for (size_t i = 0; i < tile.blocks.size(); ++i) {
     const uint32_t block = tile.blocks[i];
+    // Blocks up to the first change are reached as before. Those behind it see another buffer.
     if (i > first || first == 0) tile.reached[i] = !is_opaque && work.reaches(block);
     if (!tile.reached[i]) continue;
     const int32_t now = functions_[block];

@@ -7,6 +7,8 @@
 namespace sluice {
 namespace {
 
+// 255 steps of a 14th of an octave reach from kMostExtinction down to 2^-18 of it, with 5 % from
+// one to the next.
 constexpr double kStepsAnOctave = 14;
 
 float extinctionOf(float opacity) {
@@ -69,7 +71,9 @@ ExtinctionTable::ExtinctionTable(const OpacityTable& table)
     : table_(table), opacity_(table.opacity()) {
   levels_.emplace_back(opacity_.size());
   for (size_t i = 0; i < opacity_.size(); ++i)
+    // Without a gradient's factor the bound would exceed what samples have.
     levels_[0][i] = extinctionOf(opacity_[i] * leastFactor(table, i));
+  // Minima of spans of 2^n entries, so that two of them cover any interval (a sparse table).
   for (size_t span = 1; 2 * span <= opacity_.size(); span *= 2) {
     const std::vector<float>& last = levels_.back();
     std::vector<float> next(opacity_.size() - 2 * span + 1);
@@ -83,6 +87,7 @@ ExtinctionTable::ExtinctionTable(const OpacityTable& table)
 }
 
 float ExtinctionTable::leastIn(double lo, double hi) const {
+  // One of the ends stands for NaN, beside which a sample may show nothing.
   if (lo < kLeastNumber) return 0;
   // An additional entry on both sides covers the rounding of the device's arithmetic; see
   // ShownValues.

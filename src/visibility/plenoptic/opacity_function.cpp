@@ -59,6 +59,7 @@ struct Window {
   int64_t lo, hi;
 };
 Window windowAt(double slope_lo, double slope_hi, double from, double to) {
+  // A product of two intervals has its extremes at their ends.
   const auto [a, b] = std::minmax({slope_lo * from, slope_lo * to, slope_hi * from, slope_hi * to});
   return {static_cast<int64_t>(std::floor(a)), static_cast<int64_t>(std::ceil(b))};
 }
@@ -78,6 +79,7 @@ class Beams {
       u = {std::min(u.lo, u_.back().lo), std::max(u.hi, u_.back().hi)};
       v = {std::min(v.lo, v_.back().lo), std::max(v.hi, v_.back().hi)};
     }
+    // All beams that can meet the block somewhere, also those whose middle lies outside.
     first_u_ = -u.hi, count_u_ = parts.nu - u.lo + u.hi;
     first_v_ = -v.hi, count_v_ = parts.nv - v.lo + v.hi;
     gather();
@@ -87,6 +89,7 @@ class Beams {
   float leastRatio() const {
     const int64_t least = leastSlabs(parts_.nw);
     float ratio = kOutside;
+    // At 0 or below, the table says no more than the floor.
     for (int64_t beam = 0; beam < count_u_ * count_v_ && ratio > 0; ++beam) {
       int64_t first = 0;
       while (first < parts_.nw) {
@@ -108,7 +111,7 @@ class Beams {
     return least_[static_cast<size_t>(w * count_u_ * count_v_ + beam)];
   }
 
-  // Window minima, one axis after the other.
+  // Window minima, one axis after the other: a window's minimum is the minimum of its rows' minima.
   void gather() {
     least_.assign(static_cast<size_t>(parts_.nw * count_u_ * count_v_), kOutside);
     std::vector<float> rows(static_cast<size_t>(parts_.nv * count_u_));
@@ -181,6 +184,7 @@ OpacityFunction opacityFunction(const BlockParts& cubes, const DirectionGrid& di
   for (const uint8_t v : detailed.parts) parts.least.push_back(unpackExtinction(v));
   const float floor = parts.floor();
   function.floor = packExtinction(floor);
+  // All parts are alike: the floor tells everything.
   if (detailed.detail.empty() && parts.uniform()) return function;
   function.parts = std::move(detailed.parts);
   function.detail = std::move(detailed.detail);
@@ -192,6 +196,7 @@ OpacityFunction opacityFunction(const BlockParts& cubes, const DirectionGrid& di
     const Beams beams(turned[static_cast<size_t>(slopes.axis)], slopes);
     function.ratios.push_back(packExtinction(floor + beams.leastRatio()));
   }
+  // A table that says no more than the floor takes space for nothing.
   const bool says_more = std::any_of(function.ratios.begin(), function.ratios.end(),
                                      [&](uint8_t ratio) { return ratio > function.floor; });
   if (!says_more) function.ratios.clear();
@@ -203,6 +208,7 @@ OpacityFunction combined(const std::vector<const OpacityFunction*>& functions,
   SLUICE_CHECK_EQ(functions.size(), exponents.size());
   OpacityFunction result;
   std::vector<float> ratios, of_cubes;
+  // Extinctions add up, each times its exponent (equation 4 of Gao 2004).
   float floor = 0;
   for (size_t i = 0; i < functions.size(); ++i) {
     const OpacityFunction& function = *functions[i];
@@ -224,6 +230,7 @@ OpacityFunction combined(const std::vector<const OpacityFunction*>& functions,
   if (of_cubes.empty()) return result;
   std::vector<uint8_t> packed(of_cubes.size());
   std::ranges::transform(of_cubes, packed.begin(), packExtinction);
+  // Packed anew: the sum of several functions may be worth other bits than each of them.
   DetailedParts detailed = detailedParts(cubes, packed, kMostDetailBits);
   result.parts = std::move(detailed.parts);
   result.detail = std::move(detailed.detail);

@@ -46,6 +46,8 @@ Cut bestCut(const Sorted& cubes, size_t from, size_t end, const std::array<float
   Cut cut{from, 0};
   for (size_t i = from; i < end; ++i) {
     const float gain =
+        // All cubes from i on hide at least as much as cube i, so that the level applies to all of
+        // them.
         (opacity[cubes.packed[i]] - opacity[cubes.packed[from]]) * static_cast<float>(end - i);
     if (gain > cut.gain) cut = {i, gain};
   }
@@ -83,6 +85,7 @@ Chosen levelsOf(const uint8_t* first, Vec3i size, int64_t row, int64_t plane, in
       else
         copyRow(from, static_cast<size_t>(size.x));
     }
+  // Each byte equals the next one: all are equal, without a loop over them.
   if (std::memcmp(cubes.packed.data(), cubes.packed.data() + 1, cubes.count - 1) == 0)
     return {PartLevels::of(cubes.packed[0]), 0};
   const std::span<uint8_t> packed = std::span(cubes.packed).first(cubes.count);
@@ -91,12 +94,14 @@ Chosen levelsOf(const uint8_t* first, Vec3i size, int64_t row, int64_t plane, in
   if (most_bits == 0) return chosen;
   sortBytes(packed);
   float all = 0;
+  // The gain is judged by what the cubes hide together.
   for (size_t i = 0; i < cubes.count; ++i) all += kOpacity[cubes.packed[i]];
   const Cut middle = bestCut(cubes, 0, cubes.count, kOpacity);
   if (!(middle.gain > kLeastGain * all)) return chosen;
   chosen.bits = 1;
   std::array<uint8_t, 4>& levels = chosen.part.levels;
   levels = {least, cubes.packed[middle.at], cubes.packed[middle.at], cubes.packed[middle.at]};
+  // A second bit cuts both halves once more, each where it gains most.
   const Cut below = bestCut(cubes, 0, middle.at, kOpacity);
   const Cut above = bestCut(cubes, middle.at, cubes.count, kOpacity);
   if (most_bits > 1 && below.gain + above.gain > kLeastGain * all) {
@@ -108,6 +113,8 @@ Chosen levelsOf(const uint8_t* first, Vec3i size, int64_t row, int64_t plane, in
       for (int64_t x = 0; x < size.x; ++x) {
         const uint8_t have = first[z * plane + y * row + x];
         uint32_t level = 0;
+        // The greatest level that does not exceed the cube's own, so that it hides no more than it
+        // does.
         for (uint32_t i = 1; i <= kUpper[chosen.bits]; ++i)
           if (levels[i] <= have) level = i;
         chosen.part.cubes[static_cast<size_t>(z)] |= level << (2 * (y * kDetail + x));
@@ -123,6 +130,7 @@ void append(std::vector<uint8_t>& bytes, const Chosen& chosen) {
     uint32_t kept = layer;
     if (chosen.bits == 1) {
       kept = 0;
+      // One bit of the two is enough for two levels.
       for (unsigned cube = 0; cube < 16; ++cube) kept |= (layer >> (2 * cube) & 1U) << cube;
     }
     for (size_t i = 0; i < kMaskBytes[chosen.bits] / 4; ++i)
@@ -146,6 +154,7 @@ PartLevels DetailReader::next() {
   const size_t bits = detail_[at_++];
   if (bits == 0) return part;
   for (size_t i = 1; i < part.levels.size(); ++i)
+    // With one bit, the upper levels are all the same.
     part.levels[i] = detail_[at_ + std::min(i, kUpper[bits]) - 1];
   at_ += kUpper[bits];
   for (uint32_t& layer : part.cubes) {
@@ -162,10 +171,12 @@ bool detailFits(std::span<const uint8_t> parts, std::span<const uint8_t> detail)
   if (detail.empty()) return true;
   size_t at = 0;
   for (const uint8_t least : parts) {
+    // Bytes from a file are not believed: reading goes no further than they do.
     if (at >= detail.size() || detail[at] > kMostDetailBits) return false;
     const size_t bits = detail[at++];
     if (kUpper[bits] + kMaskBytes[bits] > detail.size() - at) return false;
     const auto upper = detail.subspan(at, kUpper[bits]);
+    // Levels ascend from the least, as readers of the cubes rely on.
     if (!std::is_sorted(upper.begin(), upper.end())) return false;
     if (!upper.empty() && upper.front() < least) return false;
     at += kUpper[bits] + kMaskBytes[bits];

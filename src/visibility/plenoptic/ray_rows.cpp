@@ -17,7 +17,8 @@ double safe(double step) {
   return step < 0 ? -kLeast : kLeast;
 }
 
-// Rounds up without a library call, which would end vector code.
+// Rounds up without a library call, which would end vector code: the difference is positive, where
+// a conversion rounds down.
 int32_t ceilOf(double v) {
   return (1 << 30) - static_cast<int32_t>(static_cast<double>(1 << 30) - v);
 }
@@ -42,6 +43,7 @@ using Lanes = SampleBatch::Lanes;
     for (size_t i = 0; i < TileRays::kSide; ++i) {
       const int32_t k = lanes.first[i] + from;
       live += (lanes.count[i] > k ? 1 : 0) & (lanes.sum[i] < lanes.room[i] ? 1 : 0);
+      // Samples that add nothing are remembered, so that the next step need not take them again.
       lanes.clear[i] = lanes.sum[i] == 0 ? std::min(k, lanes.count[i]) : lanes.clear[i];
     }
     if (live == 0) return;
@@ -50,6 +52,7 @@ using Lanes = SampleBatch::Lanes;
       for (size_t i = 0; i < TileRays::kSide; ++i) {
         const int32_t k = lanes.first[i] + turn;
         const auto at = static_cast<float>(k);
+        // Rounding may put a position outside the block by less than a cube.
         const float px = std::clamp(lanes.x[i] + lanes.dx[i] * at, 0.0F, last_x);
         const float py = std::clamp(lanes.y[i] + lanes.dy[i] * at, 0.0F, last_y);
         const float pz = std::clamp(lanes.z[i] + lanes.dz[i] * at, 0.0F, last_z);
@@ -105,6 +108,7 @@ void TileRays::set(const RayGrid& rays, bool parallel, double first_slice, int x
   step_dy_ = rays.step_dy;
   slices_ = {1 / safe(step_.x), 1 / safe(step_.y), 1 / safe(step_.z)};
   // The first sample in front of the eye is half a slice behind this.
+  // A parallel view has no eye: samples lie on both sides of its origin.
   first_ = first_slice > 0 ? first_slice : -kFarSlices;
   if (parallel) return;
   for (int a = 0; a < 3; ++a)
@@ -120,6 +124,7 @@ TileRays::BoxPlanes TileRays::planesOf(Vec3d lo, Vec3d hi) const {
     const auto i = static_cast<size_t>(a);
     box.lo[i] = lo[a] - origin_[a];
     box.hi[i] = hi[a] - origin_[a];
+    // In perspective each pixel has planes of its own, which stretches() computes.
     if (!parallel_) continue;
     const double scale = slices_[a];
     box.entry[i] = std::min(box.lo[i] * scale, box.hi[i] * scale);
@@ -177,6 +182,7 @@ void TileRays::positions(Vec3d lo, double scale, int y, int x0, int x1, const Sa
 void samplesOf(const TileRays::Slices& entry, const TileRays::Slices& exit, int x0, int x1,
                double doubt, TileRays::Samples& first, TileRays::Samples& count) {
   for (auto x = static_cast<size_t>(x0); x < static_cast<size_t>(x1); ++x) {
+    // Samples lie at half slices, so that sample k is at k + 1/2.
     const double from = std::clamp(entry[x] + doubt - 0.5, -kFarSlices, kFarSlices);
     const double to = std::clamp(exit[x] - doubt - 0.5, -kFarSlices, kFarSlices);
     first[x] = ceilOf(from);
@@ -195,6 +201,7 @@ void SampleBatch::finish() {
     results_.taken[pixels_[i]] = lanes_.taken[i];
     results_.clear[pixels_[i]] = lanes_.clear[i];
   }
+  // Lanes beyond the last ray of the next batch must count as ended.
   lanes_.sum.fill(0);
   lanes_.count.fill(0);
   lanes_.first.fill(0);

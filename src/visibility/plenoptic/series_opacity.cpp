@@ -42,6 +42,7 @@ uint64_t SeriesOpacity::bytes() const {
 
 void gather(SeriesOpacity& series, std::vector<BlockOpacity> blocks) {
   SLUICE_CHECK_EQ(static_cast<int64_t>(blocks.size()), series.blockCount());
+  // Equal functions are kept once: blocks of one value, and those that stay, have many.
   std::unordered_map<std::string, int32_t> known;
   std::vector<std::vector<int32_t>> begins(blocks.size());
   series.functions.clear();
@@ -57,6 +58,7 @@ void gather(SeriesOpacity& series, std::vector<BlockOpacity> blocks) {
       if (span.first > 0) begins[b].push_back(span.first);
     }
     series.first_span.push_back(static_cast<uint32_t>(series.spans.size()));
+    // Freed at once, because all blocks of a series are many.
     blocks[b] = {};
   }
   series.tree.emplace(series.grid, series.steps, begins);
@@ -80,6 +82,7 @@ SeriesOpacity combined(std::span<const SeriesOpacity* const> bases,
                  basis->directions == first.directions);
   std::vector<BlockOpacity> blocks(static_cast<size_t>(first.blockCount()));
   for (int64_t b = 0; b < first.blockCount(); ++b) {
+    // A span of the combination begins wherever one of a basis does.
     std::set<int32_t> begins{0};
     for (size_t i = 0; i < bases.size(); ++i)
       if (exponents[i] > 0)

@@ -15,6 +15,7 @@ constexpr int64_t kWordBits = 64;
 TocTree::TocTree(Vec3i grid, int64_t steps)
     : steps_(steps), words_(ceilDiv(std::max<int64_t>(steps, 1), kWordBits)) {
   size_t nodes = 0;
+  // Levels halve, rounded up, from the blocks to the root.
   for (Vec3i size = grid;; size = {(size.x + 1) / 2, (size.y + 1) / 2, (size.z + 1) / 2}) {
     levels_.push_back({size, nodes});
     nodes += static_cast<size_t>(volume(size));
@@ -34,6 +35,7 @@ TocTree::TocTree(Vec3i grid, int64_t steps, const std::vector<std::vector<int32_
         bits_[block * words + static_cast<size_t>(step / kWordBits)] |= uint64_t{1}
                                                                         << (step % kWordBits);
     }
+  // From the leaves up: a node has the bits of all below it.
   for (size_t level = 1; level < levels_.size(); ++level) {
     const Vec3i size = levels_[level].grid;
     for (int64_t z = 0; z < size.z; ++z)
@@ -95,11 +97,13 @@ std::vector<int64_t> TocTree::changedBetween(int64_t from, int64_t to, int64_t* 
   SLUICE_CHECK(from >= 0 && from < steps_ && to >= 0 && to < steps_);
   std::vector<int64_t> changed;
   if (from == to) return changed;
+  // Going back in time crosses the same beginnings as going forth.
   const int64_t first = std::min(from, to) + 1, last = std::max(from, to);
   struct Place {
     size_t level;
     Vec3i index;
   };
+  // Only nodes in which a span begins between the steps are opened (Gao 2004, section 5.3).
   std::vector<Place> waiting{{levels_.size() - 1, {0, 0, 0}}};
   int64_t looked_at = 0;
   while (!waiting.empty()) {

@@ -72,6 +72,7 @@ VisibilityEstimate::VisibilityEstimate(SeriesOpacityPtr series, const EstimateVi
     pixel_from_index_[1][3] += 0.5 * view.size.height;
   }
   if (view.parallel) {
+    // Slices are parallel planes, so that their number is linear in the position.
     const RayGrid& rays = view.rays;
     const Vec3d across = cross(rays.origin_dx, rays.origin_dy);
     const Vec3d way = across * (1 / dot(rays.step0, across));
@@ -153,6 +154,7 @@ void VisibilityEstimate::placeDirections(int64_t block, Place& place) const {
     const int axis = directions.slopesOf(cell).axis;
     const double step = std::abs(view_.rays.step0[axis]);
     place.directions = {cell};
+    // The table's ratio holds for samples at distances of up to a voxel (opacity_function.h).
     place.has_ratio = step > 0 && step <= 1 + 1e-9;
     place.least_slices = static_cast<float>(leastDepthVox(grid, axis) / step);
     return;
@@ -251,6 +253,7 @@ std::vector<VisibilityEstimate::ChangedPart> VisibilityEstimate::changedParts(in
   const bool has_table =
       as_wholes || ratio_a > extinction_[a.floor] || ratio_b > extinction_[b.floor];
   const ChangedPart whole{place.footprint, -std::numeric_limits<float>::infinity()};
+  // The table changed, and with it every ray through the block.
   if (has_table && (ratio_a != ratio_b || a.floor != b.floor)) return {whole};
   std::vector<ChangedPart> changed;
   if (as_wholes) return changed;
@@ -361,6 +364,7 @@ void VisibilityEstimate::setStep(int64_t step, WorkerPool& pool, bool from_scrat
   SLUICE_CHECK(step >= 0 && step < series_->steps);
   std::vector<Task> tasks = step_ < 0 || from_scratch ? allTiles(step) : affectedTiles(step, pool);
   step_ = step;
+  // The answers of these tiles are taken back, and counted anew when they have been looked at.
   const auto count = [&](int32_t by) {
     for (const Task& task : tasks) {
       const Tile& tile = tiles_[task.tile];
