@@ -33,6 +33,7 @@ void count(const BlockLayout& layout, VisibleBlocks& result) {
 
 int shortestAxis(Vec3i size) {
   int shortest = 2;
+  // z first, then y: equal sizes keep z, in which texture blocks are not turned.
   for (int axis = 1; axis >= 0; --axis)
     if (size[axis] < size[shortest]) shortest = axis;
   return shortest;
@@ -64,6 +65,7 @@ VisibleBlocks classify(const SliceRanges& ranges, const OpacityTable& table, con
     const Box3 cells = intersect(owned, crop);
     if (!cells.empty()) result.blocks.push_back(objectOf(block, cells, owned, time));
   });
+  // Whole blocks were added at the end. Without them the tasks' parts are in order.
   if (result.blocks.size() > visible) std::ranges::sort(result.blocks, {}, &ObjectBlock::name);
   count(ranges.layout, result);
   return result;
@@ -97,12 +99,13 @@ VisibleBlocks classifyAround(const SliceRanges& ranges, const OpacityTable& tabl
   const auto around = [](const Box3& cells) {
     return Box3{cells.lo - Vec3i{1, 1, 1}, cells.hi + Vec3i{1, 1, 1}};
   };
-  // Cells beside the crop show in samples inside it.
+  // Cells beside the crop show in samples inside it, which look at neighbours.
   const VisibleBlocks shown = classify(ranges, table, intersect(around(crop), all), pool, time);
   std::unordered_map<int64_t, Box3> boxes;
   boxes.reserve(shown.blocks.size());
   for (const ObjectBlock& object : shown.blocks) {
     const Box3 cells = intersect(around(object.cells), crop);
+    // A box that reaches over its block's faces belongs to several blocks.
     const Box3 blocks = blocksOf(layout, cells);
     for (int64_t z = blocks.lo.z; z < blocks.hi.z; ++z)
       for (int64_t y = blocks.lo.y; y < blocks.hi.y; ++y)

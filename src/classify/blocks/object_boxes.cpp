@@ -20,6 +20,8 @@ ObjectBoxes::ObjectBoxes(std::shared_ptr<const SliceRanges> ranges, const Opacit
                                         Classifier<decltype(tag)>(*ranges_, table, crop_));
                                   })),
       shows_background_(showsBackground(*ranges_, table, crop)),
+      // Zeros are boxes that were not made. calloc() gives pages that nobody has touched, so that a
+      // million blocks cost nothing before they are asked for.
       boxes_(static_cast<PackedBox*>(
           std::calloc(static_cast<size_t>(layout().blockCount()), sizeof(PackedBox)))) {
   if (boxes_ == nullptr) throw std::bad_alloc();
@@ -59,6 +61,7 @@ void ObjectBoxes::make(int64_t block, PackedBox& box) const {
 }
 
 ObjectBoxes::Shown ObjectBoxes::shownBetween(double lo, double hi) const {
+  // lo > hi says that no block of these is known.
   if (lo > hi) return Shown::kNothing;
   return std::visit(
       [&]<class T>(const Classifier<T>& classifier) {
@@ -93,7 +96,8 @@ Vec3i ObjectBoxes::extentWithNeighbors(Vec3i index) const {
   const auto side = static_cast<uint16_t>(layout().cells());
   const Vec3i grid = layout().grid;
   const std::array<int64_t, 3> strides{1, grid.x, grid.x * grid.y};
-  // Neighbours along an axis count cells of the other two from the same planes.
+  // Cells are counted from each block's own first plane, which is the same for neighbours along the
+  // axis.
   const auto touches = [&](const PackedBox& next, size_t axis) {
     for (const size_t other : {(axis + 1) % 3, (axis + 2) % 3})
       if (box.lo[other] > next.hi[other] || next.lo[other] > box.hi[other]) return false;

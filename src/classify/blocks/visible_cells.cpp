@@ -12,6 +12,7 @@ namespace {
 template <class T>
 bool shows(const TransferFunction& transfer, const ValueMap& map, PlaneRange<T> range) {
   if (range.lo > range.hi) return false;
+  // A negative scale turns the range round.
   const double a = map.valueOf(static_cast<double>(range.lo));
   const double b = map.valueOf(static_cast<double>(range.hi));
   return anyOpacity(transfer, std::min(a, b), std::max(a, b));
@@ -35,6 +36,7 @@ std::vector<PlaneRange<T>> planesOf(const SliceRanges& ranges, int axis, int64_t
     const auto own = ranges.planesAs<T>(i, axis);
     if (index[axis] >= first_layer && index[axis] < end_layer)
       ++held[static_cast<size_t>(index[axis] - first_layer)];
+    // A plane that two blocks share is widened by both.
     const int64_t end = std::min(cells.hi[axis], hi);
     for (int64_t p = std::max(cells.lo[axis], lo); p <= end; ++p)
       widen(planes[static_cast<size_t>(p - lo)], own[static_cast<size_t>(p - cells.lo[axis])]);
@@ -44,6 +46,7 @@ std::vector<PlaneRange<T>> planesOf(const SliceRanges& ranges, int axis, int64_t
                           static_cast<double>(layout.grid[(axis + 2) % 3]);
   const T background = static_cast<T>(ranges.background);
   for (int64_t layer = first_layer; layer < end_layer; ++layer) {
+    // All blocks of the layer are held: no background lies in it.
     if (held[static_cast<size_t>(layer - first_layer)] >= in_layer) continue;
     const int64_t end = std::min((layer + 1) * layout.cells(), hi);
     for (int64_t p = std::max(layer * layout.cells(), lo); p <= end; ++p)
@@ -60,6 +63,7 @@ Box3 visibleSlabs(const SliceRanges& ranges, const BrickRanges& bricks,
   Box3 box = bricks.cells;
   for (int axis = 0; axis < 3 && !box.empty(); ++axis) {
     int64_t lo = box.lo[axis], hi = box.hi[axis];
+    // Longer axes keep the bricks' ends, which is close enough.
     if (hi - lo > kMostPlanes) continue;
     const int64_t first = lo;
     const std::vector<PlaneRange<T>> planes = planesOf<T>(ranges, axis, lo, hi);
@@ -98,6 +102,7 @@ std::vector<Box3> visibleCellsAs(const SliceRanges& ranges, const BrickRanges& b
                                  const TransferFunction& transfer, const Box3& crop) {
   const Box3 all = boxOf(ranges.layout.dims - Vec3i{1, 1, 1});
   const T background = static_cast<T>(ranges.background);
+  // Cells without bricks are background. If it shows, all of the volume may.
   if (bricks.cells != all && shows<T>(transfer, ranges.map, {background, background}))
     return {intersect(crop, all)};
   const Box3 inside = intersect(crop, visibleSlabs<T>(ranges, bricks, transfer));

@@ -73,9 +73,11 @@ class Converter {
         const int64_t cut = begun - ended;
         const int64_t below = begun, above = static_cast<int64_t>(pieces.size()) - ended;
         begun += begins_[at];
+        // Only planes that two faces share may split, so that as few boxes as possible are cut.
         if (begins_[at] + ends_[at] < 2) continue;
         const Split split{axis, room.lo[axis] + static_cast<int64_t>(at), cut,
                           std::abs(below - above)};
+        // Few cuts first, then an even number on both sides.
         if (!best || std::pair(split.cut, split.imbalance) < std::pair(best->cut, best->imbalance))
           best = split;
       }
@@ -102,9 +104,11 @@ class Converter {
       if (!below.empty()) low.push_back({below, piece.owner});
       if (!above.empty()) high.push_back({above, piece.owner});
     }
+    // Freed before the recursion, which may be deep.
     pieces = {};
     built->lower = build(low_room, std::move(low));
     built->upper = build(high_room, std::move(high));
+    // Only two leaves merge: merging goes from the leaves up.
     if (!built->lower->lower && !built->upper->lower) tryMerge(room, *built);
     return built;
   }
@@ -113,9 +117,11 @@ class Converter {
   void tryMerge(const Box3& room, Built& node) {
     const Piece& a = node.lower->leaf;
     const Piece& b = node.upper->leaf;
+    // Pieces of one box become the box again.
     if (a.owner != kNone && a.owner == b.owner) {
       node.leaf = {room, a.owner};
     } else if (mayMerge(room, a.bricks, b.bricks)) {
+      // A merged piece belongs to no box, so that the other pieces of its parent stand alone, too.
       for (const int32_t owner : {a.owner, b.owner})
         if (owner != kNone) given_up_[static_cast<size_t>(owner)] = 1;
       node.leaf = {room, kNone};
@@ -149,6 +155,7 @@ class Converter {
     if (built.lower) {
       node.axis = static_cast<uint8_t>(built.split.axis);
       node.plane = static_cast<uint16_t>(built.split.plane * grid_.side);
+      // Children come after their node, in the order that boxes_file.h reads them in.
       node.lower = flatten(*built.lower, tree);
       node.upper = flatten(*built.upper, tree);
     } else {
@@ -161,6 +168,7 @@ class Converter {
   }
 
   uint32_t textureOf(const Piece& leaf, BoxTree& tree) {
+    // A piece draws from its parent's texture, which is stored once.
     const bool stands_alone =
         leaf.owner == kNone || given_up_[static_cast<size_t>(leaf.owner)] != 0;
     const Box3& bricks =

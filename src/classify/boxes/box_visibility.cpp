@@ -30,6 +30,8 @@ double skewOf(const VolumeLayout& layout) {
 
 BoxVisibility::BoxVisibility(const OpacityTable& table, const VolumeLayout& layout)
     : table_(table) {
+  // Bricks sum squares along the axes, which is the length of the gradient only if these are at
+  // right angles. Slanted axes stretch it by this much at most.
   const double skew = skewOf(layout);
   least_stretch_ = std::sqrt(std::max(0.0, 1 - skew)) * (1 - kRounding);
   most_stretch_ = std::sqrt(1 + skew) * (1 + kRounding);

@@ -45,6 +45,7 @@ class Reduction {
   CellRange range(size_t from, size_t to) const {
     std::array<float, kChannels> lo{}, hi{};
     for (size_t c = 0; c < kChannels; ++c) {
+      // Columns up to `to` included: the voxels on both faces of a brick are its own.
       lo[c] = *std::min_element(&lo_[c * count_ + from], &lo_[c * count_ + to] + 1);
       hi[c] = *std::max_element(&hi_[c * count_ + from], &hi_[c * count_ + to] + 1);
     }
@@ -109,6 +110,7 @@ class Builder {
 
   const T* rowAt(int64_t y, int64_t z) const {
     const Vec3i size = held_.size();
+    // Beyond the voxels that are held, the last one repeats, as at the border of the volume.
     y = std::clamp(y, held_.lo.y, held_.hi.y - 1) - held_.lo.y;
     z = std::clamp(z, held_.lo.z, held_.hi.z - 1) - held_.lo.z;
     return first_ + (z * size.y + y) * size.x;
@@ -125,6 +127,7 @@ class Builder {
     for (size_t i = 0; i < row_; ++i)
       value[i] = static_cast<float>(here[from + static_cast<int64_t>(i)]);
     float* x = scratch_[kX].data();
+    // The ends are computed apart, so that this loop has no branches.
     for (size_t i = 1; i + 1 < row_; ++i) x[i] = (value[i + 1] - value[i - 1]) * per_difference_[0];
     const auto endAt = [&](size_t i) {
       const int64_t at = from + static_cast<int64_t>(i);
@@ -177,6 +180,7 @@ BrickGrid brickGrid(const VoxelSpan& voxels, const Box3& cells, int64_t side, Ve
   SLUICE_CHECK(!cells.empty() && side >= 1);
   SLUICE_CHECK(voxels.voxels.contains(Box3{cells.lo, cells.hi + Vec3i{1, 1, 1}}));
   const Vec3i size = cells.size();
+  // Larger blocks get larger bricks, so that a tree keeps its greatest depth.
   while (ceilDiv(std::max({size.x, size.y, size.z}), side) > kMostBricks) side *= 2;
   BrickGrid grid{
       cells, side, {ceilDiv(size.x, side), ceilDiv(size.y, side), ceilDiv(size.z, side)}, {}};

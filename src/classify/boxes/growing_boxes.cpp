@@ -18,6 +18,8 @@ class Grower {
 
   std::vector<GrownBox> run() {
     std::vector<GrownBox> boxes;
+    // Seeds are the first free bricks in order, so that the result does not depend on anything
+    // else.
     for (size_t i = 0; i < taken_.size(); ++i) {
       if (taken_[i] != 0) continue;
       const auto at = static_cast<int64_t>(i);
@@ -63,6 +65,7 @@ class Grower {
       for (const bool upwards : {true, false}) {
         const std::optional<Growth> next = step(box, axis, upwards);
         if (!next) continue;
+        // Cells and not bricks, since the last brick of an axis may be smaller.
         const int64_t added =
             grid_.cellsOf(next->bricks).count() - grid_.cellsOf(box.bricks).count();
         // The second term decides among equals.
@@ -88,6 +91,7 @@ class Grower {
     }
     if (slab.lo[axis] < 0 || slab.hi[axis] > grid_.size[axis] || !isFree(slab)) return std::nullopt;
     next.range = unite(box.range, rangeOf(grid_, slab));
+    // If the box's interval stays, its bricks cost what they cost before: only the slab is new.
     const bool as_before = next.range.lo == box.range.lo && next.range.hi == box.range.hi &&
                            isFlat(next.range, parameters_) == isFlat(box.range, parameters_);
     next.cost = as_before ? box.cost + costOf(grid_, slab, next.range, parameters_)

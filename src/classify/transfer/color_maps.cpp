@@ -161,6 +161,7 @@ std::optional<Vec3d> hexColor(std::string_view text) {
   unsigned rgb = 0;
   const char* end = text.data() + text.size();
   const auto [read, status] = std::from_chars(text.data(), end, rgb, 16);
+  // from_chars() stops at the first wrong character, so that the end tells whether it read all.
   if (text.size() != 6 || status != std::errc() || read != end) return std::nullopt;
   return Vec3d{static_cast<double>(rgb >> 16), static_cast<double>(rgb >> 8 & 255),
                static_cast<double>(rgb & 255)} /
@@ -179,6 +180,7 @@ std::optional<std::vector<ColorPoint>> colorMap(std::string_view name) {
   if (found == kMaps.end()) {
     const std::optional<Vec3d> color = solidColor(name);
     if (!color) return std::nullopt;
+    // Two points of one colour, since maps are stretched between their ends.
     return std::vector<ColorPoint>{{0, *color}, {1, *color}};
   }
   std::vector<ColorPoint> points(found->points.begin(), found->points.end());

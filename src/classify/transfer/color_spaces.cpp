@@ -45,6 +45,7 @@ struct Msh {
 Msh mshFromRgb(Vec3d rgb) {
   const Vec3d lab = labFromRgb(rgb);
   const double m = length(lab);
+  // Black has no angles.
   const double s = m > 0.001 ? std::acos(std::clamp(lab.x / m, -1.0, 1.0)) : 0;
   return {m, s, s > 0.001 ? std::atan2(lab.z, lab.y) : 0};
 }
@@ -62,6 +63,7 @@ double angleBetween(double a, double b) {
 // The hue that a grey of magnitude `grey_m` gets opposite a saturated colour: turned so that the
 // way between them is even.
 double hueOfGrey(Msh saturated, double grey_m) {
+  // A grey that is no brighter than the colour needs no turn.
   if (saturated.m >= grey_m - 0.1) return saturated.h;
   const double spin = saturated.s * std::sqrt(grey_m * grey_m - saturated.m * saturated.m) /
                       (saturated.m * std::sin(saturated.s));
@@ -86,6 +88,7 @@ Vec3d rgbFromLab(Vec3d lab) {
   const Vec3d linear{dot(xyz, {3.2406, -1.5372, -0.4986}), dot(xyz, {-0.9689, 1.8758, 0.0415}),
                      dot(xyz, {0.0557, -0.2040, 1.0570})};
   Vec3d rgb = each(linear, screenFromLinear);
+  // Colours out of range are scaled, not cut, which keeps their hue.
   rgb = rgb / std::max({1.0, rgb.x, rgb.y, rgb.z});
   return max(rgb, Vec3d{0, 0, 0});
 }
@@ -124,6 +127,7 @@ Vec3d mixHsv(Vec3d a, Vec3d b, double t) {
 
 Vec3d mixHsvShortWay(Vec3d a, Vec3d b, double t) {
   Vec3d p = hsvFromRgb(a), q = hsvFromRgb(b);
+  // The shorter way round passes 0, where the hue goes on at 1.
   if (p.x - q.x > 0.5) q.x += 1;
   if (q.x - p.x > 0.5) p.x += 1;
   Vec3d mixed = mix(p, q, t);
@@ -134,6 +138,8 @@ Vec3d mixHsvShortWay(Vec3d a, Vec3d b, double t) {
 Vec3d mixDiverging(Vec3d a, Vec3d b, double t) {
   constexpr double kSaturated = 0.05;
   Msh p = mshFromRgb(a), q = mshFromRgb(b);
+  // Moreland 2009: two saturated colours of different hue meet in a white that is at least as
+  // bright as both.
   if (p.s > kSaturated && q.s > kSaturated && angleBetween(p.h, q.h) > 0.33 * pi) {
     const Msh white{std::max({p.m, q.m, 88.0}), 0, 0};
     (t < 0.5 ? q : p) = white;

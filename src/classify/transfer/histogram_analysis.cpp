@@ -42,6 +42,7 @@ Density resample(const Histogram& histogram, ValueRange range, size_t bins) {
     for (size_t bin = first; bin <= last; ++bin) {
       const double lo = std::max(a, static_cast<double>(bin));
       const double hi = std::min(b, static_cast<double>(bin + 1));
+      // A bin without width goes whole into the one that it lies in.
       density[bin] += b > a ? share * std::max(0.0, hi - lo) / (b - a) : share;
     }
   }
@@ -54,6 +55,7 @@ Density smooth(std::span<const double> density, size_t radius) {
   for (int pass = 0; pass < 3; ++pass) {
     const Density from = result;
     for (size_t i = 0; i < from.size(); ++i) {
+      // Narrower on both sides alike, so that the filter moves nothing.
       const size_t reach = std::min({radius, i, from.size() - 1 - i});
       const std::span<const double> window(from.data() + i - reach, 2 * reach + 1);
       result[i] = sum(window) / static_cast<double>(window.size());
@@ -73,6 +75,7 @@ size_t noiseEnd(const Density& density, size_t mode) {
   const Density curve = smooth(density, 1);  // integers leave bins fuller than others
   size_t half = mode;
   while (half < curve.size() && curve[half] > curve[mode] / 2) ++half;
+  // At twice the half width a normal distribution has fallen to a sixteenth.
   const size_t twice = mode + 2 * (half - mode);
   if (half < mode + 2 || twice >= curve.size() || curve[twice] > 0.12 * curve[mode]) return mode;
   const double deviation = static_cast<double>(half - mode) / kDeviationsAtHalf;
@@ -93,6 +96,7 @@ size_t backgroundEnd(const Density& density, size_t mode) {
   };
   size_t end = fallsToATenth(mode);
   for (int hump = 0; hump < 2 && end < density.size(); ++hump) {
+    // The noise next to the peak is narrow: 8 % of the range at most.
     const size_t next = fallsToATenth(end);
     if (next - mode > density.size() * 8 / 100) break;
     end = next;
@@ -120,12 +124,14 @@ std::optional<Valley> valleyAfter(const Density& density, size_t end) {
       peak = i;
     }
   }
+  // A peak that rises above its floor by less than half of it is a ripple.
   if (prominence < 0.5 * floor_of_peak || prominence <= 0) return std::nullopt;
   std::vector<size_t> low;
   for (size_t i = 0; i < peak; ++i) {
     if (curve[i] <= floor_of_peak + 0.1 * prominence) low.push_back(i);
   }
   if (low.empty()) return std::nullopt;
+  // Below the middle of the low bins, so that less of the object's foot is cut off.
   const size_t middle = low[low.size() * 2 / 5];
   if (sum(rest.subspan(middle)) < 0.75 * sum(rest.first(middle))) return std::nullopt;
   return Valley{end + middle, end + peak};
@@ -179,9 +185,11 @@ bool isBrightField(const Density& density) {
 bool diverges(const Density& density, ValueRange range) {
   if (!(range.lo < 0 && range.hi > 0)) return false;
   const double extent = range.hi - range.lo;
+  // One side that is much shorter is no tail.
   if (std::min(-range.lo, range.hi) < 0.15 * extent) return false;
   const auto bins = static_cast<double>(density.size());
   const double zero = -range.lo / extent * bins;
+  // The peak must lie at zero.
   if (std::abs(static_cast<double>(largest(density)) + 0.5 - zero) > 0.03 * bins) return false;
   // Air in a CT in Hounsfield units is a second peak far below zero: not a tail.
   const auto near_lo = static_cast<size_t>(zero / 2);
@@ -251,6 +259,7 @@ bool isSolid(const Density& density, size_t first) {
   constexpr double kLeastShare = 0.65, kLeastWidth = 0.18, kPeak = 0.15;
   const std::span<const double> part = std::span(density).subspan(first);
   const double share = sum(part);
+  // Too few values, or too narrow a range, for one broad hump.
   if (share < kLeastShare || part.size() < density.size() / 2) return false;
   // Nothing but the hump's own foot at the low end.
   if (sum(part.first(part.size() / 10)) > 0.05 * share) return false;
@@ -272,6 +281,7 @@ bool isSolid(const Density& density, size_t first) {
     return false;
   double below = 0;
   size_t low = 0, high = 0;
+  // Between the 16th and the 84th percentile lie two deviations of a normal distribution.
   for (size_t i = 0; i < part.size(); ++i) {
     below += part[i] / share;
     if (below < 0.16) low = i;
@@ -312,6 +322,7 @@ std::optional<double> tailAbove(const Histogram& histogram, double lo, double hi
   if (tail < kLeastTail || tail > kMostTail) return std::nullopt;
   // A slow fall-off, as from dark to bright tissue, is the hump's own foot.
   if (sum(std::span(density).subspan(hump_end, end - hump_end)) > tail) return std::nullopt;
+  // The tail must reach far beyond the hump, otherwise it is the hump's own end.
   if (static_cast<double>(density.size() - peak) < kFar * static_cast<double>(peak))
     return std::nullopt;
   return std::lerp(lo, hi, static_cast<double>(end) / static_cast<double>(kFineBins));
@@ -330,6 +341,7 @@ ValueRange usualRange(const Histogram& histogram) {
 }  // namespace
 
 HistogramFindings analyse(const Histogram& histogram) {
+  // The range of doubles may overflow a double: a quarter of it does not.
   if (!std::isfinite(histogram.range.hi - histogram.range.lo)) {
     return scaled(analyse(scaled(histogram, 0.25)), 4);
   }
@@ -355,6 +367,7 @@ HistogramFindings analyse(const Histogram& histogram) {
   const double width = (range.hi - range.lo) / static_cast<double>(kBins);
   const auto edge = [&](size_t bin) { return range.lo + width * static_cast<double>(bin); };
   const double background = edge(low_mode) + width / 2;
+  // Fill values are one exact value with nothing next to it.
   const bool is_fill = density[low_mode] > 0.02 && low_mode + 1 < kBins &&
                        density[low_mode + 1] < 0.01 * density[low_mode];
   if (is_fill && found.valley && isSolid(density, found.bin))

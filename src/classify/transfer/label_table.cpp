@@ -65,6 +65,7 @@ bool readSnap(std::string_view rest, LabelStyle& style) {
   if (!readColor(rest, style.rgb)) return false;
   const auto opacity = nextNumber(rest, 1), is_visible = nextNumber(rest, 1);
   if (!opacity || !is_visible || !nextNumber(rest, 1)) return false;
+  // ITK-SNAP keeps the opacity of hidden labels: visibility is a number of its own.
   style.opacity = *is_visible > 0 ? *opacity : 0;
   style.name = unquoted(rest);
   return true;
@@ -86,6 +87,7 @@ std::optional<LabelStyle> readLine(std::string_view line) {
   if (!number) return std::nullopt;
   style.label = *number;
   std::string_view ahead = line;
+  // 3D Slicer has a name in second place, ITK-SNAP the red of the colour.
   const bool is_snap = numberOf(nextWord(ahead)).has_value();
   return (is_snap ? readSnap(line, style) : readSlicer(line, style)) ? std::optional(style)
                                                                      : std::nullopt;
@@ -115,8 +117,10 @@ std::vector<LabelStyle> parseLabelTable(std::string_view text, const std::string
       fail("{}: line {}: more than {} labels", where, number, kMostLabels);
   }
   if (table.empty()) fail("{}: expected {} in a line, found none", where, kExpectedLine);
+  // FreeSurfer's table has an opacity of 0 for all labels.
   if (std::ranges::all_of(table, [](const LabelStyle& style) { return style.opacity == 0; }))
     for (LabelStyle& style : table) style.opacity = style.label == 0 ? 0 : 1;
+  // By label, so that applyTable() can look them up.
   std::ranges::stable_sort(table, {}, &LabelStyle::label);
   for (size_t i = 1; i < table.size(); ++i)
     if (table[i].label == table[i - 1].label)
@@ -145,7 +149,9 @@ void applyTable(std::vector<LabelStyle>& styles, const std::vector<LabelStyle>& 
     if (found != table.end() && found->label == style.label)
       style = *found;
     else
+      // A label that the table does not have is hidden.
       style.opacity = 0;
+    // The background is the volume's, whatever the table calls it.
     style.is_background = is_background;
   }
 }
@@ -165,6 +171,7 @@ void applyLooks(std::vector<LabelStyle>& styles, const std::vector<LabelLook>& l
     }
     for (LabelStyle& style : styles) {
       if (style.label < look.first || style.label > look.last) continue;
+      // A look for all labels leaves the background as it is.
       if (style.is_background && std::isinf(look.first) && std::isinf(look.last)) continue;
       if (rgb) style.rgb = *rgb;
       if (look.opacity) style.opacity = *look.opacity;

@@ -24,6 +24,7 @@ constexpr int kLeastStepEntries = 4, kMostStepEntries = 8;
 // range of all steps.
 ValueRange withColors(const TransferFunction& transfer, const ValueMap& map, ValueRange all) {
   constexpr double kMostOf8Bits = 255;
+  // Tables of labels have an entry for each, and other types too many values for one each.
   if (map.type != DeviceType::kU8 || transfer.labels || !(all.lo < all.hi)) return all;
   const auto [from, to] = std::minmax(
       {map.deviceOf(transfer.colors.front().value), map.deviceOf(transfer.colors.back().value)});
@@ -120,9 +121,11 @@ OpacityTable::OpacityTable(const TransferFunction& transfer, const ValueMap& map
   inWideVectors([&] { sample(transfer, map); });
   // Labels lie on their entries, or far from steps.
   if (!labels_) step_entries_ = spreadSteps(opacity_);
+  // Steps are spread before the opacity goes into the colours' table, so that both agree.
   for (size_t i = 0; i < size; ++i) rgba_[4 * i + 3] = opacity_[i];
   if (!labels_) must_interpolate_ = neighborsDiffer();
   addSurfaces(transfer, map);
+  // Surfaces count as shown, even where the opacity is 0.
   shown_ = ShownValues(
       range_, count,
       [&](int entry) { return opacity_[static_cast<size_t>(entry)] > 0 || isSurfaceEntry(entry); },
@@ -165,6 +168,7 @@ void OpacityTable::addSurfaces(const TransferFunction& transfer, const ValueMap&
   // Values this close to a level may be on either of its sides by rounding.
   const double tie = std::max(of_range, of_values) / 2;
   for (const IsoSurface& surface : transfer.surfaces)
+    // A little below the value, so that plateaus of it lie clearly on one side.
     surfaces_.push_back({map.deviceOf(surface.value) - 2 * tie, surface.opacity, surface.rgb});
   std::ranges::sort(surfaces_, {}, &SurfaceLevel::level);
   const ShownValues all(range_, entries(), [](int) { return true; });
@@ -203,6 +207,7 @@ bool OpacityTable::showsAny(double lo, double hi, double gradient_lo, double gra
   if (magnitudes_.empty()) return shown_.anyIn(lo, hi);
   // From the last row at or below the least magnitude to the first at or above the greatest:
   // between two rows both have a part.
+  // Rows hold beyond their ends, so that the first and the last answer for all magnitudes there.
   const auto above = std::upper_bound(magnitudes_.begin(), magnitudes_.end(), gradient_lo);
   const auto from = above == magnitudes_.begin() ? above : above - 1;
   const auto last = std::lower_bound(from, magnitudes_.end() - 1, gradient_hi);

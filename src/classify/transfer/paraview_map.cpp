@@ -50,6 +50,7 @@ void follow(const Curve& curve, double lo, Result at_lo, double hi, Result at_hi
             const Apart& apart, const Between& between, const Add& add) {
   if (depth == kDeepest) return;
   bool straight = true;
+  // Three places, because a curve may cross its line in the middle.
   for (const double part : {0.25, 0.5, 0.75}) {
     const double t = std::lerp(lo, hi, part);
     straight = straight && !apart(curve(t), between(at_lo, at_hi, part));
@@ -116,6 +117,7 @@ void appendOpacities(std::vector<OpacityPoint>& points, const OpacityPoint& next
 template <class Use>
 void forEachPoint(const JsonField& list, const char* expected, const Use& use) {
   const size_t size = list.size();
+  // The list is flat, as VTK writes it.
   if (size == 0 || size % 4 != 0) list.failExpected(expected);
   if (size > 4 * kMostPoints) list.failExpected(fmt::format("at most {} points", kMostPoints));
   for (size_t i = 0; i < size; i += 4) {
@@ -154,6 +156,7 @@ Mix readSpace(const JsonField& map) {
   if (!field) return mixRgb;
   for (const ColorSpace& space : kColorSpaces) {
     if (space.name != field->text()) continue;
+    // ParaView names the space HSV for both ways round, and tells by HSVWrap.
     const auto wrap = map.find("HSVWrap");
     return space.name == "HSV" && wrap && wrap->flag() ? mixHsvShortWay : space.mix;
   }
@@ -174,6 +177,7 @@ JsonField choose(const JsonField& document, std::string_view wanted) {
     names.push_back(nameOf(map));
     if (!wanted.empty() && names.back() == wanted) return map;
   }
+  // A map of one of our names recolours the only map of a file.
   if (maps.size() == 1 && (wanted.empty() || colorMap(wanted))) return maps.front();
   if (names.empty()) document.failExpected("at least one colour map");
   const std::string listed = printable(fmt::format("{}", fmt::join(names, ", ")), 400);
@@ -186,11 +190,14 @@ template <class Point>
 void stretch(std::vector<Point>& points, ValueRange range) {
   const double lo = points.front().value, hi = points.back().value;
   for (Point& point : points) {
+    // Halves, because the width of the range may overflow.
     const double t = hi > lo ? (point.value / 2 - lo / 2) / (hi / 2 - lo / 2) : 0;
     point.value = std::lerp(range.lo, range.hi, t);
   }
 }
 
+// ParaView's presets lie at 0 to 1 or -1 to 1. These, and maps that lie beside the data, are
+// stretched over it.
 bool isPreset(double lo, double hi, ValueRange range) {
   return (lo == 0 && hi == 1) || (lo == -1 && hi == 1) || hi < range.lo || lo > range.hi;
 }
@@ -230,6 +237,7 @@ TransferFunction paraviewTransfer(const JsonField& document, const std::string& 
     stretch(transfer.colors, range);
     stretch(transfer.opacities, range);
   }
+  // The map is one of ours, and not a map of the file.
   if (!wanted.empty() && nameOf(map) != wanted)
     transfer.colors = rescale(requireColorMap(wanted, "--map"), transfer.colors.front().value,
                               transfer.colors.back().value);

@@ -25,6 +25,7 @@ constexpr uint64_t kMostBytes = uint64_t{16} << 20;
 Vec3d colorOf(const JsonField& field) {
   const std::string& text = field.text();
   const std::optional<Vec3d> color = hexColor(text);
+  // hexColor() also takes colours without the sign, which the format does not allow.
   if (!color || text[0] != '#') field.failExpected("a colour as '#rrggbb'");
   return *color;
 }
@@ -58,6 +59,8 @@ void appendCurve(const OpacityPoint& from, const OpacityPoint& to, double unit_l
   double most_off = 0;
   for (const double part : {0.25, 0.5, 0.75}) {
     const double opacity = ofOneVoxel(std::lerp(from.opacity, to.opacity, part), unit_length_vox);
+    // Off by more than a thousandth at a quarter, the middle or three quarters: two pieces follow
+    // better.
     most_off = std::max(most_off, std::abs(opacity - std::lerp(first, last, part)));
   }
   if (halvings > 0 && to.value > from.value && most_off > kTolerance) {
@@ -147,6 +150,7 @@ std::vector<ColorPoint> readColors(const JsonField& document, ValueRange whole,
                                    const std::string& where) {
   const auto map = document.find("map"), colors = document.find("colors"),
              map_range = document.find("map_range");
+  // One of both: a file with both would leave open which one counts.
   if (map.has_value() == colors.has_value()) {
     fail("{}: expected one of the fields /map and /colors, found {}", where, map ? "both" : "none");
   }
@@ -178,6 +182,7 @@ TransferFunction ownTransfer(const JsonField& document, const std::string& where
       curveOf(points<OpacityPoint>(document.require("opacities"), opacityPoint), unit_length_vox);
   transfer.gradients = readGradients(document);
   if (const auto labels = document.find("labels")) transfer.labels = labels->flag();
+  // Magnitudes scale with the range, values move with it, too.
   if (unit) {
     for (GradientRow& row : transfer.gradients) {
       row.magnitude *= range.hi - range.lo;
@@ -201,6 +206,7 @@ TransferFunction parseTransferFunction(std::string_view json, const std::string&
   const bool paraview = document.isArray() || (document.isObject() && document.find("RGBPoints"));
   TransferFunction transfer = paraview ? paraviewTransfer(document, where, range, map)
                                        : ownTransfer(document, where, range);
+  // The map stretches over the values that the file's colours have.
   if (!paraview && !map.empty())
     transfer.colors = rescale(requireColorMap(map, "--map"), transfer.colors.front().value,
                               transfer.colors.back().value);

@@ -25,6 +25,7 @@ void validateValues(const std::vector<Point>& points, const std::string& list,
     if (!std::isfinite(points[i].value)) {
       fail("{}: expected a finite value in {}[{}], found {}", where, list, i, points[i].value);
     }
+    // Equal values are a step, so that they may follow each other.
     if (i > 0 && points[i].value < points[i - 1].value) {
       fail("{}: expected {} to ascend by value, found {} after {} at [{}]", where, list,
            points[i].value, points[i - 1].value, i);
@@ -65,6 +66,7 @@ void validateGradients(const std::vector<GradientRow>& rows, const std::string& 
 
 Vec3d colorAt(const TransferFunction& transfer, double value) {
   SLUICE_CHECK(!transfer.colors.empty());
+  // NaN has no place among the points: it shows nothing, in any colour.
   if (std::isnan(value)) return transfer.colors.front().rgb;
   return colorIn(segmentAt(transfer.colors, value));
 }
@@ -81,6 +83,7 @@ double gradientFactorAt(const GradientRow& row, double value) {
 
 double gradientFactorAt(const TransferFunction& transfer, double value, double magnitude) {
   const std::vector<GradientRow>& rows = transfer.gradients;
+  // Without rows the opacity holds at any magnitude.
   if (rows.empty()) return 1;
   const auto above =
       std::upper_bound(rows.begin(), rows.end(), magnitude,

@@ -9,10 +9,12 @@ namespace sluice {
 
 TransferFunction thresholdTransfer(double threshold, ValueRange range, double opacity,
                                    std::string_view map) {
+  // A threshold above the range must not turn the map round.
   const double top = std::max(range.hi, threshold);
   TransferFunction transfer;
   transfer.name = fmt::format("threshold {}", threshold);
   transfer.colors = rescale(requireColorMap(map, "--map"), threshold, top);
+  // A fifth at once, so that the surface at the threshold is seen.
   transfer.opacities = {{threshold, 0}, {threshold, 0.2 * opacity}};
   // Above the range there is no ramp to climb.
   if (threshold <= range.hi) transfer.opacities.push_back({range.hi, opacity});
@@ -34,6 +36,7 @@ TransferFunction pointsTransfer(std::string_view map, ValueRange map_range,
   TransferFunction transfer;
   transfer.name = map;
   std::vector<ColorPoint> colors = requireColorMap(map, "--map");
+  // rescale() needs ascending values: the map is turned round instead.
   if (map_range.lo > map_range.hi) {
     std::reverse(colors.begin(), colors.end());
     for (ColorPoint& point : colors) point.value = 1 - point.value;
