@@ -32,6 +32,7 @@ constexpr size_t kBoxesBetweenStops = 256;
 // body(tile) for each, until one throws. A thread begins with the tiles that it had in the last
 // frame, whose pixels and texels its caches may hold, and then helps the others.
 void eachTile(WorkerPool& pool, int64_t tiles, const std::function<void(int64_t tile)>& body) {
+  // A cache line each, so that threads do not wait for each other's counters.
   struct alignas(64) Share {
     std::atomic<int64_t> next;
     int64_t end;
@@ -47,6 +48,7 @@ void eachTile(WorkerPool& pool, int64_t tiles, const std::function<void(int64_t 
     const auto self = static_cast<size_t>(pool.self());
     for (size_t i = 0; i < threads; ++i) {
       Share& share = shares[(self + i) % threads];
+      // Threads may pass the end by one each, which does no harm.
       for (int64_t tile = share.next++; tile < share.end && !has_failed; tile = share.next++) try {
           body(tile);
         } catch (...) {
@@ -72,6 +74,7 @@ DeviceLimits CpuDevice::limits() const {
 void CpuDevice::makeResident(uint64_t id, ChunkTexelsPtr texels) {
   Leaps leaps;
   if (const auto known = evicted_.find(texels.get()); known != evicted_.end()) {
+    // Another chunk may lie at the same address: only the same texels have this leap grid.
     if (known->second.texels.lock() == texels) leaps = std::move(known->second.leaps);
     evicted_.erase(known);
   }
@@ -83,9 +86,11 @@ void CpuDevice::makeResident(uint64_t id, ChunkTexelsPtr texels) {
 void CpuDevice::evict(uint64_t id) {
   const auto found = resident_.find(id);
   SLUICE_CHECK(found != resident_.end());
+  // Boxes that were put off still draw from these texels.
   if (found->second.is_put_off) drawNow();
   auto [texels, is_put_off, leaps, channel] = std::move(found->second);
   resident_.erase(found);
+  // Without its texels, so that level 3 may drop them.
   if (leaps.grid) evicted_[texels.get()] = {texels, std::move(leaps)};
   texels.reset();
   if (evicted_.size() <= most_evicted_) return;
@@ -105,7 +110,9 @@ void CpuDevice::beginFrame(const FrameSetup& setup, const StopToken& stop) {
   setup_ = setup;
   stop_ = stop;
   taken_ = 0;
+  // Only lit frames look at the light, which takes a pass over its texels.
   if (setup_.lit) light_squares_.take(setup_.light, pool_);
+  // Only the composite kernels leap.
   leaps_ = setup_.skips && traitsOf(setup_.mode).hides;
   const size_t channels = 1 + setup_.others.size();
   SLUICE_CHECK_LE(channels, kMostBlended);
@@ -124,6 +131,8 @@ void CpuDevice::takeLook(const FrameSetup& setup, ChannelLook& look) {
   look.tables.emplace(setup, *look.look_up, setup.lit ? light_squares_.texels() : nullptr);
   if (!leaps_ || look.shown_for == setup.look_up) return;
   ShownValues shown = shownValues(*setup.look_up);
+  // Distances depend on the values that show, not on their colours: looks that show the same keep
+  // them.
   if (shown != look.shown || look.shown_number == 0) look.shown_number = ++shown_numbers_;
   look.shown = std::move(shown);
   look.shown_for = setup.look_up;
@@ -143,6 +152,7 @@ TileBins CpuDevice::binsOf(const std::vector<KernelBox>& boxes) const {
 void CpuDevice::draw(std::span<const BoxDraw> boxes) {
   stop_.throwIfStopped();
   for (size_t i = 0; i < boxes.size(); ++i) {
+    // A chunk is looked up once for all of its boxes in a row.
     if (i == 0 || boxes[i].chunk != boxes[i - 1].chunk) {
       const auto found = resident_.find(boxes[i].chunk);
       SLUICE_CHECK(found != resident_.end());
@@ -164,6 +174,8 @@ void CpuDevice::forgetPutOff() {
 }
 
 void CpuDevice::prepareLeaps() {
+  // Segments and surfaces look half a slice before and behind a sample, which may be beside its
+  // brick.
   const int64_t margin = setup_.integrates || setup_.has_surfaces ? 1 : 0;
   std::vector<Resident*> stale;
   for (auto& [id, chunk] : resident_) {
@@ -195,6 +207,7 @@ std::vector<KernelBox> CpuDevice::kernelBoxes() const {
       appendBox(setup_, box, chunk.texels.get(), grid, boxes);
       continue;
     }
+    // A box that does not join begins a block: the boxes before it are complete.
     if (!box.joins) {
       appendJoined(setup_, joined, boxes);
       joined.clear();
@@ -213,15 +226,18 @@ void CpuDevice::drawNow(const Then& then, Keep keep) {
   forgetPutOff();
   const TileBins bins = binsOf(boxes);
   const bool in_layers = traitsOf(setup_.mode).needs_order && setup_.is_part;
+  // endFrame() copies each tile at once, so that its pixels need no memory beyond the thread's.
   if (keep == Keep::kPixels) picture_.makeRoom();
   eachTile(pool_, picture_.tiles(), [&](int64_t index) {
     std::span<const uint32_t> rest = bins.of(index);
     TiledPicture::Scratch scratch;
+    // Tiles without boxes are only passed on to `then`.
     TilePixels tile = rest.empty()            ? picture_.drawnTile(index)
                       : keep == Keep::kPixels ? picture_.tile(index)
                                               : picture_.tile(index, scratch);
     for (stop_.throwIfStopped(); !rest.empty(); stop_.throwIfStopped()) {
       const auto part = rest.first(std::min(kBoxesBetweenStops, rest.size()));
+      // In layers, each part of a tile is taken out behind the boxes of its layer.
       if (in_layers)
         parts_.draw(index, boxes, part, tile);
       else
@@ -248,6 +264,7 @@ void CpuDevice::stopOpaque() {
 }
 
 uint64_t CpuDevice::countSamples(std::span<const BoxDraw> draws) {
+  // The same boxes as the picture's, but without texels: counting reads none.
   std::vector<KernelBox> boxes;
   boxes.reserve(draws.size());
   for (const BoxDraw& box : draws) appendBox(setup_, box, nullptr, nullptr, boxes);
@@ -268,6 +285,7 @@ uint64_t CpuDevice::takenSamples() {
 }
 
 Picture CpuDevice::endFrame() {
+  // The memory of the last picture that was given back.
   Picture picture = std::exchange(spare_, {});
   picture_.shape(picture, stop_);
   const bool resolves = !traitsOf(setup_.mode).has_colors && !setup_.is_part;
@@ -285,6 +303,7 @@ PartialPicture CpuDevice::endPart() {
   SLUICE_CHECK(setup_.is_part);
   drawNow();
   stop_.throwIfStopped();
+  // Without an order, a tile is one part, taken out at the end.
   if (!traitsOf(setup_.mode).needs_order)
     pool_.parallelFor(picture_.tiles(), [&](int64_t index) {
       const TilePixels tile = picture_.drawnTile(index);

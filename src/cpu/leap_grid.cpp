@@ -30,6 +30,7 @@ template <class T>
 void widen(const T* texels, T* lo, T* hi, int64_t count) {
   for (int64_t i = 0; i < count; ++i) {
     T least = texels[i];
+    // Texels that are no number show nothing: they must not widen the range downwards.
     if constexpr (std::is_same_v<T, float>) least = least < kNoNumber ? kNothing<T>.lo : least;
     lo[i] = std::min(lo[i], least);
     hi[i] = std::max(hi[i], texels[i]);
@@ -91,6 +92,7 @@ void eachBrick(const ChunkTexels& chunk, Vec3i bricks, int64_t margin, const aut
   const auto firstOf = [margin](int64_t brick) {
     return std::max<int64_t>(brick * kBrickSide - margin, 0);
   };
+  // One texel more than cells: neighbouring bricks share a plane.
   const auto endOf = [margin](int64_t brick, int64_t texels) {
     return std::min((brick + 1) * kBrickSide + 1 + margin, texels);
   };
@@ -156,6 +158,7 @@ void markShown(const Range<T>* ranges, const ShownVoxels<T>& shown, std::span<ui
   constexpr size_t kFewIntervals = 4;
   if (shown.intervals().size() > kFewIntervals) {
     for (size_t i = 0; i < marks.size(); ++i)
+      // A brick of nothing but NaN has lo > hi, and shows nothing.
       marks[i] = ranges[i].lo <= ranges[i].hi && shown.any(ranges[i].lo, ranges[i].hi) ? 1 : 0;
     return;
   }
@@ -222,6 +225,7 @@ constexpr std::array<uint64_t, 256> kBytesOfBits = [] {
 void spreadMarks(Vec3i size, std::span<uint8_t> marks) {
   const auto x = static_cast<size_t>(size.x), y = static_cast<size_t>(size.y);
   const auto bricks = static_cast<size_t>(volume(size));
+  // Shifts by whole planes read this far beyond both ends.
   const size_t margin = x * y / 64 + 2;
   BrickBits bits(bricks, margin), other = bits;
   constexpr uint64_t kBitsOfBytes = 0x0102040810204080;
@@ -229,14 +233,17 @@ void spreadMarks(Vec3i size, std::span<uint8_t> marks) {
   for (size_t i = 0; i < eights; ++i) {
     uint64_t bytes;
     std::memcpy(&bytes, &marks[8 * i], sizeof bytes);
+    // The product moves bit 0 of each byte into the upper one.
     bits.begin()[i / 8] |= (bytes * kBitsOfBytes >> 56) << (8 * (i % 8));
   }
   const BrickBits inner_x = notFirst(bricks, margin, x, 1),
                   inner_y = notFirst(bricks, margin, y, x);
   const BrickBits inner_z = notFirst(bricks, margin, static_cast<size_t>(size.z), x * y);
+  // A brick loses one for each round in which it is marked: those marked at first reach 0.
   std::vector<uint64_t> distances(eights, kMostDistance * uint64_t{0x0101010101010101});
   for (int distance = 0; distance < kMostDistance; ++distance) {
     for (size_t i = 0; i < eights; ++i) distances[i] -= kBytesOfBits[bits.byte(i)];
+    // One axis after the other: a brick spreads to all 26 neighbours in a round.
     spread(bits, inner_x, 1, other);
     spread(other, inner_y, x, bits);
     spread(bits, inner_z, x * y, other);
@@ -251,6 +258,7 @@ LeapGrid leapGrid(const ChunkTexels& chunk, const ExpectedLook* expected, int64_
   const Vec3i storage = chunk.storage_vox;
   LeapGrid grid;
   grid.margin = margin;
+  // The last texel of an axis begins no cell.
   for (int a = 0; a < 3; ++a)
     grid.bricks[a] = (std::max<int64_t>(storage[a] - 1, 1) + kBrickSide - 1) / kBrickSide;
   const auto bricks = static_cast<size_t>(volume(grid.bricks));
@@ -270,6 +278,7 @@ LeapGrid leapGrid(const ChunkTexels& chunk, const ExpectedLook* expected, int64_
 void setDistances(LeapGrid& grid, DeviceType type, const ShownValues& shown) {
   const auto bricks = static_cast<size_t>(volume(grid.bricks));
   const size_t eights = (bricks + 7) / 8 * 8;
+  // Four bytes more, as kernels read four at each brick.
   grid.distances.assign(eights + 4, 0);
   const std::span marks(grid.distances.data(), eights);
   inWideVectors([&] {

@@ -17,6 +17,7 @@ Vec3d asVec(const Row& row) {
 std::array<Vec3d, 3> mapFromClip(const MapGrid& grid) {
   const auto& clip = grid.clip_from_map;
   const Vec3d rows[3] = {asVec(clip[0]), asVec(clip[1]), asVec(clip[2])};
+  // The columns of the adjugate: the inverse but for a factor.
   const double sign = dot(rows[0], cross(rows[1], rows[2])) < 0 ? -1 : 1;
   const Vec3d columns[3] = {cross(rows[1], rows[2]) * sign, cross(rows[2], rows[0]) * sign,
                             cross(rows[0], rows[1]) * sign};
@@ -44,6 +45,7 @@ std::vector<std::atomic<uint32_t>> emptyCells(const MapGrid& grid) {
 
 // Floats that are not negative are ordered as their bits are.
 void lower(std::atomic<uint32_t>& cell, uint32_t to) {
+  // Relaxed: the cells are read after all threads have ended.
   uint32_t now = cell.load(std::memory_order_relaxed);
   while (to < now && !cell.compare_exchange_weak(now, to, std::memory_order_relaxed)) {
   }
@@ -112,6 +114,7 @@ void LeastOpacity::add(const TiledPicture& picture, const TilePixels& pixels) {
     // Neighbours are in the same cells most often.
     for (int x = 0; x < count;) {
       const auto first = static_cast<size_t>(x);
+      // A tile that was not begun is transparent.
       float least = opacity != nullptr ? 1.0F : 0.0F;
       do {
         if (opacity != nullptr) least = std::min(least, opacity[picture.placeOf(x, y)]);

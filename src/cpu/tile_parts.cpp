@@ -19,6 +19,8 @@ void TileParts::draw(int64_t index, const std::vector<KernelBox>& boxes,
   std::vector<uint32_t> order(of_tile.begin(), of_tile.end());
   std::stable_sort(order.begin(), order.end(),
                    [&boxes](uint32_t a, uint32_t b) { return boxes[a].layer < boxes[b].layer; });
+  // The transparency of each pixel in front of the next layer: a layer is drawn alone, on an empty
+  // tile.
   float* through = through_.data() + static_cast<size_t>(index) * kTilePixels;
   for (size_t from = 0; from < order.size();) {
     const uint32_t layer = boxes[order[from]].layer;
@@ -29,6 +31,7 @@ void TileParts::draw(int64_t index, const std::vector<KernelBox>& boxes,
     append(index, layer, tile);
     for (size_t i = 0; i < kTilePixels; ++i) {
       through[i] *= 1 - tile.color[3][i];
+      // A pixel that is opaque through the layers before takes no more samples.
       tile.stopped[i] = 1 - through[i] >= kernels_->frame().ray_opacity ? 1.0F : 0.0F;
     }
     for (float* channel : tile.color) std::fill_n(channel, kTilePixels, 0.0F);
@@ -49,6 +52,7 @@ void TileParts::append(int64_t index, uint32_t layer, const TilePixels& tile) {
   packPart(
       picture_.tiles[static_cast<size_t>(index)], layer, partChannels(*setup_),
       [&](int pixel) {
+        // Pixels beyond the picture's edge are no part of it.
         return pixel % kTileSide < width && pixel / kTileSide < height &&
                channels[traits.telling_number][place_[static_cast<size_t>(pixel)]] !=
                    traits.first_value;

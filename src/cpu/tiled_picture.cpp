@@ -20,6 +20,7 @@ constexpr size_t kAlignedFloats = 64 / sizeof(float);
 
 void TiledPicture::begin(const FrameSetup& setup, const Kernels& kernels, PictureRows rows) {
   SLUICE_CHECK(rows.lo >= 0 && rows.lo < rows.hi && rows.hi <= setup.size.height);
+  // Tiles have a fixed place in the whole picture, so that a strip's pixels are those of the whole.
   SLUICE_CHECK_EQ(rows.lo % kTileSide, 0);
   for (int i = 0; i < kTilePixels; ++i)
     place_[static_cast<size_t>(i)] = kernels.placeOf(i % kTileSide, i / kTileSide);
@@ -35,6 +36,7 @@ void TiledPicture::begin(const FrameSetup& setup, const Kernels& kernels, Pictur
 }
 
 void TiledPicture::makeRoom() {
+  // Not cleared, because tile() clears each tile when it is begun.
   const size_t floats = floatsATile() * static_cast<size_t>(tiles()) + kAlignedFloats;
   if (memory_floats_ < floats) {
     memory_.reset();
@@ -70,6 +72,7 @@ TilePixels TiledPicture::tile(int64_t index) {
   if (stops == kNotBegun) {
     empty(pixels);
   } else if (stops != stop_number_) {
+    // stopOpaque() was called since the tile was drawn last: its opaque pixels are found now.
     for (int i = 0; i < kTilePixels; ++i)
       pixels.stopped[i] = pixels.color[3][i] >= stop_opacity_ ? 1.0F : 0.0F;
   }
@@ -78,6 +81,7 @@ TilePixels TiledPicture::tile(int64_t index) {
 }
 
 TilePixels TiledPicture::tile(int64_t index, Scratch& scratch) {
+  // A tile that was begun keeps its pixels.
   if (stops_[static_cast<size_t>(index)] != kNotBegun) return tile(index);
   const TilePixels pixels = tileAt(index, scratch.floats.data());
   empty(pixels);
@@ -90,6 +94,7 @@ TilePixels TiledPicture::drawnTile(int64_t index) const {
 }
 
 void TiledPicture::stopOpaque(float opacity) {
+  // Tiles take notice when they are drawn next.
   stop_opacity_ = opacity;
   ++stop_number_;
 }
@@ -130,6 +135,7 @@ void TiledPicture::copyTile(const TilePixels& pixels, Picture& picture) const {
   for (int y = 0; y < std::min(kTileSide, rows_.hi - pixels.y); ++y) {
     const size_t to = placeIn(pixels, y);
     float* out = picture.rgba.data() + 4 * to;
+    // No box was drawn into the tile.
     if (red == nullptr) {
       std::fill_n(out, 4 * count, start_);
       if (with_depth_) std::fill_n(picture.depth.data() + to, count, kNothing);
@@ -146,6 +152,7 @@ void TiledPicture::copyTile(const TilePixels& pixels, Picture& picture) const {
     for (int x = 0; x < count; ++x) {
       const size_t from = placeOf(x, y);
       picture.depth[to + static_cast<size_t>(x)] =
+          // Depths were weighted by opacity.
           opacity[from] > 0 ? pixels.depth_sum[from] / opacity[from] : kNothing;
     }
   }

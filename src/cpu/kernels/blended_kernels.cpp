@@ -64,6 +64,7 @@ HWY_INLINE void addColor(const Color& color, const M& shows, int j, Mixtures& mi
   const Color seen{hn::IfThenElseZero(shows, color.r), hn::IfThenElseZero(shows, color.g),
                    hn::IfThenElseZero(shows, color.b), hn::IfThenElseZero(shows, color.a)};
   const V clear = hn::Sub(all(1.0F), seen.a);
+  // The first channel's colour is kept as it is: most slices show one channel alone.
   if ((mixtures.shown & bit) == 0) {
     to = {seen, clear};
     mixtures.shown |= bit;
@@ -192,6 +193,7 @@ HWY_INLINE void addWay(const KernelFrame& frame, const KernelBox& box, const Pos
                        BlockWay& all_ways) {
   const Slices slices = slicesIn(frame, box, packet, step);
   const M meets = hn::Gt(slices.count, hn::Zero(F()));
+  // Channels whose box the packet misses cost nothing.
   if (hn::AllFalse(F(), meets)) return;
   ChannelWay& way = all_ways.ways[static_cast<size_t>(all_ways.count)];
   const bool is_long = frame.perspective || frame.lit || frame.rows > 0;
@@ -201,6 +203,7 @@ HWY_INLINE void addWay(const KernelFrame& frame, const KernelBox& box, const Pos
   way.first = fartherBy(packet.jitter, way.pace, texelsAt(box, voxelsOf(positions, packet)));
   way.start = all(box.first_slice);
   const V never = all(1e15F);
+  // Lanes that miss the box are never within it.
   way.from = hn::IfThenElse(meets, hn::Add(slices.from, way.start), never);
   way.end = hn::IfThenElse(meets, hn::Add(way.from, slices.count), hn::Neg(never));
   way.ray_length = is_long ? rayLengthOf(frame, packet) : all(1.0F);
@@ -229,6 +232,7 @@ HWY_INLINE V nextSlices(BlockWay& block, const V& k, const M& going) {
       shown = hn::IfThenElse(
           asked, hn::Add(nextShown(*way.box, way.bricks, at, end, leapt), way.start), shown);
     }
+    // Lanes through this box wait at the block's end, so that they do not hold back the others.
     way.shown = hn::IfThenElse(hn::Lt(shown, way.end), shown, block.end);
     next = hn::Min(next, way.shown);
   }

@@ -88,6 +88,7 @@ HWY_INLINE V factorAt(const KernelFrame& frame, V magnitude, V entry) {
 
 // The opacity of `lengths` unit lengths from the opacity of one.
 HWY_INLINE V corrected(V opacity, V lengths) {
+  // The logarithm of 0 is not asked for: opaque lanes are replaced below.
   const V clear = hn::Max(hn::Sub(all(1.0F), opacity), all(1e-37F));
   const V left = hn::Exp(F(), hn::Mul(lengths, hn::Log(F(), clear)));
   return hn::IfThenElse(hn::Lt(opacity, all(1.0F)), hn::Sub(all(1.0F), left), all(1.0F));

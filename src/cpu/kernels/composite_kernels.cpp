@@ -89,6 +89,7 @@ struct Passage {
   // Whether some lane goes on.
   HWY_INLINE bool blend(const Sample& sample, Pixels& pixels) {
     M shows = taking(sample.active, pixels);
+    // The stand-in for NaN shows nothing.
     if (kType == DeviceType::kF32) shows = hn::AndNot(isNoNumber(sample.value), shows);
     if (kShading != Shading::kSpread && !frame.shades_every_sample) {
       shows = hn::And(shows, hn::And(hn::Ge(sample.value, all(frame.least_visible)),
@@ -103,6 +104,7 @@ struct Passage {
   // Blends the colour at slice k of the box. Whether some lane goes on.
   HWY_INLINE bool add(Color color, M shows, V k, Pixels& pixels) {
     layBehind(frame, color, shows, hn::Add(k, first_slice), pixels);
+    // A ray ends inside a box by the opacity of this box alone, see KernelFrame::box_opacity.
     if (frame.box_opacity <= 1) {
       in_box = hn::MulAdd(hn::Sub(all(1.0F), in_box), hn::IfThenElseZero(shows, color.a), in_box);
       going = hn::And(going, hn::Lt(in_box, all(frame.box_opacity)));
@@ -167,6 +169,7 @@ struct Passage {
       bool leapt = false;
       const int turns = turnsFrom(k, end, way, leaps, leapt);
       if (turns == 0) break;
+      // After a leap the last end is not this one's front.
       if (!has_front || leapt) {
         front = endAt(hn::Sub(k, half), stored);
         has_front = true;
@@ -186,6 +189,7 @@ struct Passage {
           shows = hn::And(shows, hn::And(hn::Ge(hn::Max(from, to), all(frame.least_visible)),
                                          hn::Le(hn::Min(from, to), all(frame.most_visible))));
           if (hn::AllFalse(F(), shows)) {
+            // The sums belong to the value that was left behind.
             front = back;
             segment.has_sums = false;
             continue;
@@ -255,6 +259,7 @@ HWY_NOINLINE void drawBox(const KernelFrame& frame, const KernelBox& box, TilePi
     for (int x = x_lo; x < x_hi; x += kPacketWidth) {
       const int at = (y / kPacketHeight * (kTileSide / kPacketWidth) + x / kPacketWidth) * kLanes;
       const V opacity = hn::Load(F(), tile.color[3] + at);
+      // Packets of stopped pixels cost one look.
       const M going = goingOf(frame, tile, at, opacity);
       if (hn::AllFalse(F(), going)) continue;
       Pixels pixels = loadPixels(frame, tile, at);

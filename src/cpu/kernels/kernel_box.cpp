@@ -74,6 +74,8 @@ TexelSpan texelsOf(const BoxDraw& box, Vec3i storage) {
     SLUICE_CHECK(span.from[a] >= -1 && span.to[a] <= static_cast<double>(storage[a]));
     const auto lo = static_cast<int64_t>(std::floor(span.from[a] + kRounding));
     const auto hi = static_cast<int64_t>(std::ceil(span.to[a] - kRounding));
+    // The last cell begins at the last texel but one. Chunks of one texel have one cell all the
+    // same.
     span.lo[a] = std::clamp<int64_t>(lo, 0, std::max<int64_t>(storage[a] - 2, 0));
     span.hi[a] = std::clamp<int64_t>(hi, span.lo[a] + 1, std::max(storage[a] - 1, span.lo[a] + 1));
   }
@@ -108,12 +110,14 @@ void setTexels(const BoxDraw& box, const ChunkTexels& chunk, const TexelSpan& sp
     const double last = std::min(to[a], static_cast<double>(storage[a] - 1));
     out.texel_hi[i] = static_cast<float>(last - static_cast<double>(lo[a]));
     out.last_cell[i] = static_cast<float>(hi[a] - lo[a] - 1);
+    // Only boxes that reach beyond the chunk's texels need their samples clamped.
     out.clamps = out.clamps || from[a] < 0 || to[a] > last;
     out.texel_start[static_cast<size_t>(box.texels.axes[i])] =
         static_cast<float>(from[a] - static_cast<double>(lo[a]));
     out.storage_lo[i] = static_cast<float>(-lo[a]);
     out.storage_hi[i] = static_cast<float>(storage[a] - 1 - lo[a]);
     out.stride[i] = static_cast<float>(stride[a]);
+    // Differences read one texel more on each side.
     out.has_margin = out.has_margin && lo[a] > 0 && hi[a] + 1 < storage[a];
   }
 }
@@ -159,6 +163,7 @@ void appendPart(const FrameSetup& setup, const BoxDraw& box, const ChunkTexels* 
   const auto [x_lo, y_lo, x_hi, y_hi, near_slice] = seenOf(setup, box.cells);
   KernelBox result;
   const auto [width, height] = setup.size;
+  // Drawing a pixel too many costs nothing but time; the kernel finds no slice there.
   result.x_lo = clampedPixel(std::floor(x_lo - kMarginPixels), width);
   result.y_lo = clampedPixel(std::floor(y_lo - kMarginPixels), height);
   result.x_hi = clampedPixel(std::ceil(x_hi + kMarginPixels), width);
@@ -175,6 +180,8 @@ void appendPart(const FrameSetup& setup, const BoxDraw& box, const ChunkTexels* 
   result.is_beside = box.beside.has_value();
   const double first = std::max(static_cast<double>(setup.first_slice), std::floor(near_slice));
   result.first_slice = static_cast<float>(first);
+  // Positions count from the box's first slice, so that single precision has digits enough far
+  // away.
   const Vec3d at = rays.origin0 + rays.step0 * (first + 0.5) - lo;
   const Vec3d dx = rays.origin_dx + rays.step_dx * (first + 0.5);
   const Vec3d dy = rays.origin_dy + rays.step_dy * (first + 0.5);
@@ -184,6 +191,7 @@ void appendPart(const FrameSetup& setup, const BoxDraw& box, const ChunkTexels* 
   result.size = asFloats(hi - lo);
   const OuterFaces outer = outerFaces(setup, box.cells);
   for (size_t a = 0; a < 3; ++a) {
+    // Faces of what is shown end the way of a ray; faces between boxes do not.
     result.inside_lo[a] = outer.lo[a] ? 0 : kInside;
     result.inside_hi[a] = outer.hi[a] ? 0 : kInside;
   }
@@ -200,7 +208,9 @@ void appendPart(const FrameSetup& setup, const BoxDraw& box, const ChunkTexels* 
 // Whether the eye is on the lower side of the plane.
 bool seesLowerFirst(const FrameSetup& setup, int axis, int64_t plane) {
   const RayGrid& rays = setup.rays;
+  // All rays of a parallel view go the same way.
   if (setup.projection != Projection::kPerspective) return rays.step0[axis] >= 0;
+  // All rays meet at the eye.
   const Vec3d eye = rays.origin0 - rays.step0 * (setup.first_depth / setup.depth_step);
   return eye[axis] < static_cast<double>(plane);
 }
@@ -263,6 +273,7 @@ void appendJoined(const FrameSetup& setup, std::span<const ChannelBox> boxes,
   for (const ChannelBox& each : boxes) {
     const size_t before = out.size();
     appendPart(setup, each.box, each.chunk, each.leaps, out);
+    // A box outside the picture has no part.
     if (out.size() > before) out.back().channel = each.box.channel;
   }
   if (out.size() > first) join(std::span(out).subspan(first));
@@ -276,6 +287,7 @@ void appendBox(const FrameSetup& setup, const BoxDraw& box, const ChunkTexels* c
   }
   int axis = 2;
   const auto& axes = box.texels.axes;
+  // Along the axis of chunks' planes first, whose stride is the largest.
   while (axis > 0 && box.cells.size()[axes[static_cast<size_t>(axis)]] < 2) --axis;
   const int cut = axes[static_cast<size_t>(axis)];
   if (isNear(box, chunk->storage_vox) || box.cells.size()[cut] < 2) {

@@ -91,6 +91,7 @@ void FrameTables::setRays(const FrameSetup& setup) {
                       static_cast<float>(-setup.tan_half_y)};
   for (const ClipPlane& plane : setup.clip_planes) {
     const Float3 normal = asFloats(plane.normal);
+    // Relative to origin0, so that single precision has digits enough.
     frame_.clip_plane[static_cast<size_t>(frame_.clip_planes++)] = {
         normal[0], normal[1], normal[2],
         static_cast<float>(plane.offset - dot(plane.normal, rays.origin0))};
@@ -116,6 +117,8 @@ void FrameTables::setLookUp(const LookUpTables& tables) {
     frame_.one_value = static_cast<float>(integrated.one_value);
     frame_.near_entry = static_cast<float>(integrated.near_entry);
     const bool has_factors = !tables.key.look_up->magnitudes.empty();
+    // With factors, the exponent is of a unit length: the factor applies before the opacity is
+    // corrected.
     frame_.sums_unit =
         static_cast<float>(integrated.unit * (has_factors ? 1 : tables.key.slice_length));
   }
@@ -157,6 +160,7 @@ void FrameTables::setSurfaces(const LookUp& look_up) {
 // The same frame with its opaque surfaces alone.
 void FrameTables::setBeside() {
   beside_ = frame_;
+  // Opacities, and surfaces that let light through, are drawn in the cells of a block alone.
   beside_.has_opacities = beside_.counts_taken = false;
   beside_.surfaces = 0;
   for (size_t i = 0; i < static_cast<size_t>(frame_.surfaces); ++i) {
@@ -186,6 +190,7 @@ void FrameTables::setLights(const FrameSetup& setup, const uint64_t* light_squar
   frame_.key_share = static_cast<float>(lighting.keyShare());
   if (!frame_.lit || setup.light == nullptr) return;
   const Vec3i texels = setup.light->dims;
+  // A square of four texels is one number of 64 bits, see light_squares.h.
   const auto texel_bytes =
       static_cast<int64_t>(light_squares != nullptr ? sizeof(uint64_t) : 2 * sizeof(uint16_t));
   frame_.light = light_squares != nullptr
@@ -204,6 +209,7 @@ void FrameTables::setRows(const FrameSetup& setup) {
   if (magnitudes.empty()) return;
   frame_.rows = static_cast<int>(magnitudes.size());
   frame_.factor_entries = static_cast<int>(setup.look_up->factors.size() / magnitudes.size());
+  // Rows of factors hold opacities of a unit length, which are corrected after the factor.
   frame_.corrects = frame_.perspective || setup.slice_length != 1;
   for (size_t row = 0; row < magnitudes.size(); ++row) {
     const double next = magnitudes[std::min(row + 1, magnitudes.size() - 1)];

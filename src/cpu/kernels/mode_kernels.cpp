@@ -99,7 +99,8 @@ HWY_INLINE void takeSample(const KernelFrame& frame, V value, V part, V attenuat
                            Numbers& numbers) {
   const V one = all(1.0F), rest = hn::Sub(one, part);
   auto& [first, second, third] = numbers.of;
-  // A sample's part moves its value toward the end that loses.
+  // A sample's part moves its value toward the end that loses, so that a hidden sample changes
+  // nothing.
   switch (frame.combining) {
     case Combining::kGreatest: {
       const V moved = between(all(frame.least), value, part, rest);
@@ -116,6 +117,7 @@ HWY_INLINE void takeSample(const KernelFrame& frame, V value, V part, V attenuat
     case Combining::kAttenuated: {
       const V level = hn::IfThenElseZero(shows, hn::Mul(placeIn(frame, value), part));
       const V clear = hn::Sub(one, second);
+      // The attenuated maximum: a sample counts by what passes of it to the eye.
       first = hn::Max(first, hn::Mul(clear, level));
       const V dimmed = hn::Sub(one, hn::Exp(F(), hn::Neg(hn::Mul(attenuation, level))));
       second = hn::MulAdd(clear, dimmed, second);
@@ -140,6 +142,7 @@ HWY_INLINE void drawPacket(const KernelFrame& frame, const KernelBox& box,
   const V attenuation = hn::Mul(all(frame.attenuation), rayLengthOf(frame, packet));
   for (int j = 0; j < static_cast<int>(most); ++j) {
     const V turn = all(static_cast<float>(j));
+    // The ends of a ray's way are no planes, and are taken as its first and last sample.
     const V place = hn::Min(hn::Max(turn, line.from), line.to);
     V3 at{hn::MulAdd(place, line.pace.x, line.first.x),
           hn::MulAdd(place, line.pace.y, line.first.y),

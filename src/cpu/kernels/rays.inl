@@ -182,6 +182,7 @@ struct Slices {
 HWY_INLINE Slices slicesIn(const KernelFrame& frame, const KernelBox& box, const Packet& packet,
                            const V3& step) {
   const Float3 start{0, 0, 0};
+  // Rays count from origin0, so that their corner is 0.
   V3 origin = planesAt(start, frame.origin_dx, frame.origin_dy, packet.px, packet.py);
   if (frame.noise != nullptr) origin = fartherBy(packet.jitter, step, origin);
   V from = all(frame.first_slice), to = all(1e15F);

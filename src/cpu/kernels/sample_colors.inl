@@ -96,6 +96,7 @@ HWY_INLINE Color sharedColorOf(const KernelFrame& frame, const KernelBox& box, c
   V a = one.a;
   if (frame.rows > 0)
     a = hn::Mul(a, factorAt(frame, hn::Mul(gradient.unit, hn::Sqrt(gradient.squared)), entry));
+  // Shares of labels multiply the opacity of a whole texel, not that of a unit length.
   const V whole = corrected(a, all(box.texel_length));
   a = corrected(hn::Mul(whole, part),
                 hn::Mul(ray_length, all(frame.slice_length / box.texel_length)));
@@ -112,6 +113,7 @@ HWY_INLINE Color colorOf(const KernelFrame& frame, const KernelBox& box, const V
   const V entry = entryOf(frame, value);
   Color color = colorAt(frame, entry);
   if constexpr (kShading == Shading::kLength) {
+    // Perspective rays are longer away from the middle: the table holds the exponent of a unit.
     color.a = hn::Sub(all(1.0F), powerOfTwo(hn::Mul(color.a, ray_length)));
     color = {hn::Mul(color.r, color.a), hn::Mul(color.g, color.a), hn::Mul(color.b, color.a),
              color.a};

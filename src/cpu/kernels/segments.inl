@@ -3,6 +3,7 @@
 
 // A value's place among the entries.
 HWY_INLINE V placeAmong(const KernelFrame& frame, V value) {
+  // Bounded, so that single precision keeps the fraction of the place.
   const V most = all(kMostEntriesBeyond);
   return hn::Min(
       hn::Max(hn::MulAdd(value, all(frame.entry_scale), all(frame.entry_offset)), hn::Neg(most)),
@@ -24,6 +25,7 @@ HWY_INLINE SumsAt sumsAt(const KernelFrame& frame, V place) {
   const Quad lower = quadAt(base, offset), upper = quadAt(base + 4 * sizeof(int32_t), offset);
   for (int c = 0; c < 4; ++c) {
     sums.below[c] = hn::BitCast(I(), lower.of[c]);
+    // Whole numbers: the difference is exact even if it is small beside both sums.
     const V growth = hn::ConvertTo(F(), hn::Sub(hn::BitCast(I(), upper.of[c]), sums.below[c]));
     sums.part[c] = hn::Mul(past, growth);
   }
@@ -81,6 +83,7 @@ HWY_INLINE Extinction meanOf(const KernelFrame& frame, M shows, Segment& segment
                            hn::Le(hn::Max(segment.front, segment.back), hn::Zero(F())))));
   if (hn::AllFalse(F(), hn::AndNot(even, shows))) {
     segment.has_sums = false;
+    // One value looks as the entries around it do, not as a mean over a range, see IntegratedLook.
     return oneValueAt(frame, segment.middle());
   }
   if (!segment.has_sums) segment.sums = sumsAt(frame, segment.front);
@@ -89,6 +92,7 @@ HWY_INLINE Extinction meanOf(const KernelFrame& frame, M shows, Segment& segment
   const SumsAt& back = segment.sums;
   const V one = all(1.0F);
   const M is_way = hn::Gt(hn::Abs(way), hn::Zero(F()));
+  // Lanes without a way are replaced below, but must not divide by 0.
   const V inverse = hn::Div(one, hn::IfThenElse(is_way, way, one));
   Extinction mean;
   for (int c = 0; c < 4; ++c) {
@@ -108,6 +112,7 @@ HWY_INLINE Extinction meanOf(const KernelFrame& frame, M shows, Segment& segment
 HWY_INLINE Color extinctionColor(const KernelFrame& frame, const Extinction& mean) {
   const V zero = hn::Zero(F()), one = all(1.0F);
   const V extinction = hn::Max(mean.of[3], zero);
+  // An extinction of 0 has no colour, and must not divide by 0.
   const V to_color = hn::Div(one, hn::Max(extinction, all(1e-20F)));
   const auto color = [&](V channel) {
     return hn::Min(hn::Max(hn::Mul(channel, to_color), zero), one);

@@ -64,6 +64,7 @@ HWY_NOINLINE V crossing(const KernelBox& box, const Cells& stored, const PlaceAl
   for (int i = 0; i < kHalvings; ++i) {
     const V middle = hn::Mul(all(0.5F), hn::Add(lo, hi));
     const V value = valueThere<kType, kShading>(box, stored, placeAlong(middle));
+    // Lanes whose values descend look for the level from above.
     const M is_before = hn::Not(hn::Xor(hn::Lt(value, search.level), up));
     lo = hn::IfThenElse(is_before, middle, lo);
     value_lo = hn::IfThenElse(is_before, value, value_lo);
@@ -121,6 +122,8 @@ HWY_INLINE V Passage<kType, kShading>::sharedEndAt(V k, const Cells& stored) con
   const V turn = hn::Add(k, all(box.first_slice));
   const V grid = all(kPlaceGrid), cell = all(1.0F / kPlaceGrid);
   const auto localAt = [&](size_t axis, V origin, V step) {
+    // Rounded to a grid that both boxes share, so that both find the same place, whatever their
+    // corner.
     const V place = hn::Round(hn::Mul(hn::MulAdd(turn, step, origin), grid));
     return hn::Sub(hn::Mul(place, cell), all(box.corner[axis]));
   };
@@ -150,6 +153,7 @@ HWY_INLINE void Passage<kType, kShading>::goBySurfaces(V k, V end, bool leaps, P
       front = back;
       const M within = taking(hn::Lt(k, end), pixels);
       M numbers = within;
+      // A stretch with an end that is no number meets no surface.
       if constexpr (kType == DeviceType::kF32)
         numbers = hn::AndNot(isNoNumber(hn::Min(stretch.front, back)), within);
       const M meets = hn::And(numbers, meetsAny(frame, stretch));
@@ -205,6 +209,7 @@ HWY_NOINLINE bool Passage<kType, kShading>::blendParts(V k, V end, M within, M m
       add(partOf(slice.color, hn::Sub(part, from)), hn::And(slice.shows, hit), k, pixels);
     const Color color = surfaceColor<kType, kShading>(frame, box, stored, placeAlong(part), surface);
     goes = add(color, hit, hn::Add(near_end, part), pixels);
+    // The next surface is met behind this one.
     from = hn::IfThenElse(hit, part, from);
     value = hn::IfThenElse(hit, surface.level, value);
   }
