@@ -65,12 +65,18 @@ class Slicer {
   void slice(const SlicedBox& box) {
     begin(box);
     size_t event = 0;
+    // Slices before the view's first are skipped whole: no intersection has a position yet, thus
+    // place() computes all of them at slice k.
     int64_t k = std::max(planes_.first_slice, events_[0].slice);
     while (k < events_[7].slice) {
+      // Several corners may lie between two slices. All are passed before a position is computed,
+      // so that edges shorter than a step, which no slice meets, cost no arithmetic.
       while (events_[event].slice <= k) pass(events_[event++].corner);
       place(k);
       const int64_t until = events_[event].slice;
       emit(k++);
+      // No corner lies before slice `until`: the polygon keeps its edges, and each vertex moves by
+      // a constant (Li 2003, section 3.3).
       for (; k < until; ++k) {
         advance();
         emit(k);
@@ -117,6 +123,8 @@ class Slicer {
   // The slice has moved beyond a corner: intersections that end there give way to those that begin
   // there, in place.
   void pass(int corner) {
+    // No intersection ends at the corner nearest to the eye. The first polygon goes to the end of
+    // the list, which is empty.
     size_t at = count_;
     for (size_t i = count_; i-- > 0;) {
       if (active_[i].end() != corner) continue;
@@ -156,6 +164,7 @@ class Slicer {
       const Vec3d& from = corners_[static_cast<size_t>(vertex.corner)];
       vertex.fresh = false;
       vertex.position = from;
+      // Rounding might place a vertex just outside the box.
       vertex.position[a] = std::clamp(from[a] + (depth - planes_.depthOf(from)) / planes_.normal[a],
                                       box_->lo[a], box_->hi[a]);
       vertex.texture = vertex.position * box_->texture_scale + box_->texture_offset;

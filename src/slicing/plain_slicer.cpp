@@ -23,6 +23,7 @@ double turnOf(double x, double y) {
 // Two directions in the plane, such that u, v turns counter-clockwise seen from the eye.
 std::array<Vec3d, 2> basisOf(Vec3d normal) {
   const Vec3d n = normalized(normal);
+  // An axis near the normal would leave a cross product too short to be normalized well.
   const Vec3d aside = std::abs(n.x) < 0.6 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0};
   const Vec3d u = normalized(cross(n, aside));
   return {u, cross(u, n)};
@@ -42,6 +43,8 @@ size_t cut(const SlicePlanes& planes, const SlicedBox& box, double depth,
       if ((corner >> axis & 1) != 0) continue;
       const Vec3d from = cornerOf(box, corner), to = cornerOf(box, corner | 1 << axis);
       const double d0 = planes.depthOf(from), d1 = planes.depthOf(to);
+      // A corner on the slice counts as passed on all of its edges. Edges from a passed corner to
+      // one that is not always close a polygon, though vertices of it may coincide.
       if ((d0 <= depth) == (d1 <= depth)) continue;
       Vec3d position = from;
       position[axis] += std::clamp((depth - d0) / (d1 - d0), 0.0, 1.0) * (to[axis] - from[axis]);
@@ -82,6 +85,8 @@ void append(const SlicedBox& box, int64_t slice, std::span<const Point> points, 
 
 void slicePlainly(const SlicePlanes& planes, std::span<const SlicedBox> boxes, SliceList& result) {
   const std::array<Vec3d, 2> basis = basisOf(planes.normal);
+  // Nothing is carried over from box to box or from slice to slice: this is the measure that the
+  // incremental slicer is tested against.
   for (const SlicedBox& box : boxes) {
     double nearest = planes.depthOf(box.lo), farthest = nearest;
     for (int corner = 1; corner < 8; ++corner) {
@@ -93,6 +98,8 @@ void slicePlainly(const SlicePlanes& planes, std::span<const SlicedBox> boxes, S
     const auto before =
         static_cast<int64_t>(std::ceil((nearest - planes.first) / planes.step - 0.5)) - 1;
     for (int64_t k = std::max(planes.first_slice, before);; ++k) {
+      // The depths are compared as cut() compares them, so that a slice that is kept has at least
+      // three vertices.
       const double depth = planes.depthOfSlice(k);
       if (depth < nearest) continue;
       if (depth >= farthest) break;

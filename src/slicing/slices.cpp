@@ -23,6 +23,7 @@ SlicePlanes slicePlanes(const View& view, const VolumeLayout& layout, Vec3d orig
   const double at_origin = dot(worldFromIndex(layout, origin) - view.eye, view.forward);
   planes.first = view.first_depth - at_origin;
   planes.step = view.step;
+  // A perspective view has no slice at or behind the eye: its rays only begin there.
   if (view.projection == Projection::kPerspective && view.first_depth <= 0)
     planes.first_slice = static_cast<int64_t>(std::floor(-view.first_depth / view.step - 0.5)) + 1;
   return planes;

@@ -28,6 +28,7 @@ double measure(Slice slice, const SlicePlanes& planes, std::span<const SlicedBox
 }
 
 double median(std::vector<double>& values) {
+  // The median, not the mean: on a shared machine a view that is interrupted costs many times more.
   const auto middle = values.begin() + static_cast<ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
   return *middle;
@@ -53,11 +54,14 @@ SlicingCost slicingCost(int views, uint64_t seed) {
   // The first view is not counted: it makes the arrays grow.
   for (int view = -1; view < views; ++view) {
     SlicePlanes planes;
+    // A vector near the origin would leave its direction to the grid of random numbers.
     while (length(planes.normal) < 0.1)
       for (int a = 0; a < 3; ++a) planes.normal[a] = 2 * unit(random) - 1;
     planes.normal = normalized(planes.normal);
     planes.step = kStep;
     planes.first = -2 * kBlock;
+    // Both slicers cut the same boxes with the same planes, one directly after the other, so that
+    // what else the machine does falls on both.
     const double from_scratch = measure(slicePlainly, planes, boxes, list);
     const double step_by_step = measure(sliceIncrementally, planes, boxes, list);
     if (view < 0) continue;
