@@ -39,6 +39,8 @@ RangeState stateAt(RangeState state, const BlockLayout& layout, int64_t id, cons
 
 // Adds the states of background blocks, for a surface whose border runs through them.
 void addBorder(BlockStates& states, const Box3& region) {
+  // Only blocks that differ from the others are listed, whereas the border's blocks must be: all
+  // ids are walked through, which a closed surface in a bright background costs.
   std::vector<BlockStates::Block> all;
   auto listed = states.blocks.begin();
   for (int64_t id = 0; id < states.layout.blockCount(); ++id) {
@@ -64,6 +66,8 @@ Box3 finestBlocks(const BlockLayout& finest, const LevelPlacement& placement,
       const auto whole = static_cast<int64_t>(std::clamp(voxel, 0.0, last));
       return std::min(whole / finest.cells(), finest.grid[a] - 1);
     };
+    // One coarser voxel more on either side holds all finest voxels that those at the corners are
+    // made of.
     blocks.lo[a] = blockAt(std::floor(at(level_cells.lo[a], -1)));
     blocks.hi[a] = blockAt(std::ceil(at(level_cells.hi[a], 1))) + 1;
   }
@@ -92,6 +96,8 @@ class FinestSpans {
     int64_t count = 0;
     for (; held != ranges_.blocks.end() && *held < end; ++held, ++count)
       widen(all, spans_[static_cast<size_t>(held - ranges_.blocks.begin())]);
+    // Blocks that are not held are background, as long as the arrays know all blocks (see the
+    // header).
     if (count < blocks.size().x) widen(all, {ranges_.background, ranges_.background});
   }
   static void widen(Span& all, const Span& by) {
@@ -105,6 +111,7 @@ class FinestSpans {
 }  // namespace
 
 RangeState BlockStates::stateOf(int64_t id) const {
+  // The blocks ascend by their ids.
   const auto found =
       std::lower_bound(blocks.begin(), blocks.end(), id,
                        [](const Block& block, int64_t other) { return block.id < other; });
@@ -138,6 +145,7 @@ BlockStates blockStates(const SliceRanges& finest, const InsideSet& inside, cons
   const FinestSpans spans(finest);
   for (int64_t id = 0; id < level.blockCount(); ++id) {
     RangeState state = RangeState::kMixed;
+    // Means, extremes and modes lie between the finest voxels. Nothing is known of other levels.
     if (values != LevelValues::kUnknown && finest.unknown.empty()) {
       const Box3 cells = level.ownedCells(level.indexOf(id));
       Span span = spans.of(finestBlocks(finest.layout, placement, cells));

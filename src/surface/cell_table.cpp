@@ -52,6 +52,7 @@ std::array<int, kEdges> segmentsOf(int inside) {
   for (int face = 0; face < kFaces; ++face) {
     const std::array<int, 4> corners = faceCorners(face);
     for (size_t i = 0; i < 4; ++i) {
+      // Each segment is found once, at the edge where the way around the face leaves the inside.
       if (isInside(corners[i]) || !isInside(corners[(i + 1) % 4])) continue;
       // Here the way around the face comes inside; looking back, it is where it last went outside
       // that is joined, so that two corners inside are not cut apart.
@@ -73,6 +74,7 @@ bool cut(const Loop& loop, size_t first, size_t last, CellCase& out) {
   const auto mayJoin = [&](size_t a, size_t b) {
     return b - a == 1 || !areOnOneFace(loop[a], loop[b]);
   };
+  // Any cut without a side within a face will do: the first one is taken.
   for (size_t third = first + 1; third < last; ++third) {
     if (!mayJoin(first, third) || !mayJoin(third, last)) continue;
     const CellCase before = out;
@@ -88,6 +90,8 @@ bool cut(const Loop& loop, size_t first, size_t last, CellCase& out) {
 }
 
 CellCase caseOf(int inside) {
+  // Each crossed edge has one segment that begins and one that ends there: following them always
+  // comes back to the edge where the loop began.
   std::array<int, kEdges> next = segmentsOf(inside);
   CellCase result;
   for (int begin = 0; begin < kEdges; ++begin) {

@@ -31,12 +31,15 @@ bool PieceMesher::meshAs(const MeshedPiece& piece, const TakePart& take) {
   addPlane<T>(piece, 0, upper_);
   for (int64_t z = 0; z + 1 < size.z; ++z) {
     stop_.throwIfStopped();
+    // The upper plane of the last cells is the lower one of the next: each vertex is made once.
     std::swap(lower_, upper_);
     clear(between_, size);
     for (int64_t y = 0; y < size.y; ++y) addRow<T>(piece, 2, y, z, between_);
     clear(upper_, size);
     addPlane<T>(piece, z + 1, upper_);
     addTriangles(piece, z);
+    // A part leaves only between two planes of cells, so that heldBytes() can tell how far it may
+    // exceed its size.
     if (part_.bytes() >= kPartBytes && !take(part_, false)) return false;
   }
   return take(part_, true);
@@ -75,18 +78,23 @@ void PieceMesher::addRow(const MeshedPiece& piece, int axis, int64_t y, int64_t 
       const Vec3i voxel = piece.piece.cells.lo + Vec3i{x, y, z};
       Vec3i next = voxel;
       ++next[axis];
+      // In the layer that closes the surface, one end of an edge lies outside the volume and has no
+      // value to interpolate.
       if (!existing.contains(voxel)) {
         sheet.vertices.push_back(borderVertex(look_.place, next, axis, false));
       } else if (!existing.contains(next)) {
         sheet.vertices.push_back(borderVertex(look_.place, voxel, axis, true));
       } else {
+        // The runs of a piece and the edges of a row both ascend along x.
         while (run + 1 != piece.voxels.runs().end() && voxel.x > run->cells.hi.x) ++run;
         sheet.vertices.push_back(maker.onEdge(*run, voxel, axis));
       }
       const bool is_left = x < first;
       left += is_left ? 1 : 0;
+      // A vertex at x = 0 of another piece is only referred to: that piece has written it.
       sheet.numbers.push_back(is_left ? piece.numbers.left[of_axis][row] : number++);
     });
+  // The rows on a face towards a piece before are made again, for the triangles, and not written.
   if (ownsRow(piece.piece, axis, y, z))
     file_.encode(std::span<const MeshVertex>(sheet.vertices).subspan(begin + left), part_);
 }
@@ -117,6 +125,7 @@ void PieceMesher::addTriangles(const MeshedPiece& piece, int64_t z) {
         size_t inside = 0;
         for (size_t r = 0; r < 4; ++r) {
           const uint64_t here = rows[r][word] >> bit;
+          // The cell at a word's last bit has its other corner in the next word.
           const uint64_t pair = bit == 63 ? (here & 1) | rows[r][word + 1] << 1 : here;
           inside |= static_cast<size_t>(pair & 3) << (2 * r);
         }
@@ -128,6 +137,8 @@ void PieceMesher::addTriangles(const MeshedPiece& piece, int64_t z) {
             const uint32_t place = edge.places[x];
             triangle[c] = {&edge.sheet->vertices[place], edge.sheet->numbers[place]};
           }
+          // The table's triangles turn counterclockwise in the space of x, y and z, which a mirror
+          // reverses.
           if (look_.place.is_mirrored) std::swap(triangle[1], triangle[2]);
         }
       });

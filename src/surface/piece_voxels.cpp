@@ -10,6 +10,7 @@ void PieceVoxels::read(int64_t time, const PieceGrid& grid, const Piece& piece,
     const Vec3i index{x, piece.blocks.lo.y, piece.blocks.lo.z};
     const Box3 cells = intersect(layout.ownedCells(index), grid.region().cells);
     if (cells.empty() || states.stateOf(layout.idOf(index)) != RangeState::kMixed) continue;
+    // Neighbouring mixed blocks are read as one region: their shared layer of voxels is read once.
     const Box3 block{index, index + Vec3i{1, 1, 1}};
     if (!runs_.empty() && runs_.back().blocks.hi.x == x) {
       runs_.back().blocks = unite(runs_.back().blocks, block);
@@ -22,6 +23,7 @@ void PieceVoxels::read(int64_t time, const PieceGrid& grid, const Piece& piece,
   size_t bytes = 0;
   std::vector<size_t> begins;
   for (VoxelRun& run : runs_) {
+    // Gradients by central differences need one voxel more on either side than the cells' corners.
     run.voxels = intersect({run.cells.lo - Vec3i{1, 1, 1}, run.cells.hi + Vec3i{2, 2, 2}},
                            boxOf(layout.dims));
     begins.push_back(bytes);

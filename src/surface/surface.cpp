@@ -99,11 +99,15 @@ class SurfaceRun {
                                   {request_.place, request_.inside,
                                    deviceMap(request_.source.layout()).scale < 0 ? 1.0 : -1.0},
                                   request_.stop)};
+      // Pieces are begun in the order in which they are numbered and written. The earliest
+      // unfinished one is therefore always on a thread that waits for nobody, and the others' waits
+      // end.
       for (size_t at = next_++; at < ids_.size(); at = next_++) {
         request_.stop.throwIfStopped();
         if (!make(at, space)) return;
       }
     } catch (...) {
+      // Other threads may be waiting for the numbers or the parts of this piece.
       numbers_.giveUp();
       parts_.giveUp();
       throw;
@@ -124,6 +128,7 @@ class SurfaceRun {
     const Piece piece = grid_.piece(ids_[at]);
     space.voxels.read(request_.time, grid_, piece, request_.states);
     visitDeviceType(space.voxels.type(), [&](auto tag) {
+      // This comes first: min-max arrays of other voxels would leave holes in the surface.
       checkBlocks<decltype(tag)>(space.voxels);
       setBits<decltype(tag)>(piece, space);
     });
@@ -145,10 +150,13 @@ class SurfaceRun {
     for (const VoxelRun& run : voxels.runs())
       for (Vec3i index = run.blocks.lo; index.x < run.blocks.hi.x; ++index.x) {
         const Box3 cells = layout.ownedCells(index);
+        // The part of a block within the region may have a narrower range than the arrays tell.
         if (!run.cells.contains(cells)) continue;
         const Vec3i size = run.voxels.size(), local = cells.lo - run.voxels.lo;
         const T* const first =
             reinterpret_cast<const T*>(run.bytes) + (local.z * size.y + local.y) * size.x + local.x;
+        // The voxels of a block are one more along each axis than its cells: it shares the last
+        // ones with its neighbours.
         const PlaneRange<T> range =
             rangeOf(first, cells.size() + Vec3i{1, 1, 1}, size.x, size.x * size.y);
         request_.check(layout.idOf(index), static_cast<double>(range.lo),
@@ -161,7 +169,8 @@ class SurfaceRun {
     space.bits.reset(piece.voxels());
     setKnownBlocks(piece, space.bits);
     constexpr T kLeast = std::numeric_limits<T>::lowest(), kMost = std::numeric_limits<T>::max();
-    // A threshold beyond all values of the type leaves no block mixed.
+    // The clamp keeps the conversion defined. A threshold beyond all values of the type leaves no
+    // block mixed whose range is known.
     const T lo = atLeast<T>(std::clamp(request_.inside.lo, double{kLeast}, double{kMost}));
     const T hi = atMost<T>(std::clamp(request_.inside.hi, double{kLeast}, double{kMost}));
     for (const VoxelRun& run : space.voxels.runs()) {
@@ -195,6 +204,8 @@ class SurfaceRun {
   template <class T>
   static T atLeast(double bound) {
     T value = static_cast<T>(bound);
+    // The conversion may have rounded to the wrong side of the bound. InsideSet's bounds for whole
+    // numbers are whole.
     if constexpr (std::is_same_v<T, float>)
       if (double{value} < bound) value = std::nextafter(value, std::numeric_limits<T>::max());
     return value;
@@ -221,6 +232,7 @@ class SurfaceRun {
 // The blocks in the region: all, and those that are read.
 std::pair<int64_t, int64_t> countBlocks(const SurfaceRequest& request) {
   const BlockLayout& layout = request.states.layout;
+  // Blocks at the border count even if only some of their cells lie in the region.
   const Box3& cells = request.region.cells;
   int64_t all = 1;
   for (int a = 0; a < 3; ++a)

@@ -31,9 +31,12 @@ void countVertices(const Piece& piece, const CornerBits& bits, RowNumbers& numbe
   const Vec3i size = bits.size();
   const auto rows = static_cast<size_t>(size.y * size.z);
   for (auto& of_axis : numbers.first) of_axis.assign(rows, 0);
+  // The vertices at x = 0 of these rows belong to the piece before, so that their numbers do not
+  // follow from those of this piece.
   for (auto& of_axis : numbers.left) of_axis.assign(piece.has_before[0] ? rows : 0, 0);
   numbers.count = 0;
   const auto countRow = [&](int axis, int64_t y, int64_t z) {
+    // The numbers of other pieces' rows come with their faces, see takeFaces().
     if (!ownsRow(piece, axis, y, z)) return;
     numbers.first[static_cast<size_t>(axis)][bits.rowOf(y, z)] = numbers.count;
     numbers.count += static_cast<uint64_t>(bits.countCrossed(axis, y, z, firstOwned(piece, axis)));
@@ -52,6 +55,7 @@ bool VertexNumbers::number(size_t at, const Piece& piece, const CornerBits& bits
                            RowNumbers& numbers) {
   MutexLock lock(mutex_);
   while (turn_ != at && !is_given_up_) changed_.wait(lock);
+  // A piece before this one has failed on another thread, and will never be numbered.
   if (is_given_up_) return false;
   for (auto& of_axis : numbers.first)
     for (uint64_t& first : of_axis) first += count_;
@@ -70,6 +74,8 @@ bool VertexNumbers::isNumbered(int64_t id) const {
 void VertexNumbers::takeFaces(int64_t id, Vec3i size, RowNumbers& numbers) {
   for (int across = 0; across < 3; ++across) {
     const auto found = faces_.find({id, across});
+    // A piece that passed on no face is not mixed: the surface crosses no edge between it and this
+    // one.
     if (found == faces_.end()) continue;
     const std::vector<uint64_t> face = std::move(found->second);
     faces_.erase(found);
@@ -91,6 +97,7 @@ void VertexNumbers::passFaces(const Piece& piece, const CornerBits& bits,
   for (int across = 0; across < 3; ++across) {
     if (!piece.has_behind[static_cast<size_t>(across)]) continue;
     const int64_t next = grid_.idOf(behind(piece, across));
+    // A piece that is not numbered would never take its face.
     if (!isNumbered(next)) continue;
     std::vector<uint64_t>& face = faces_[{next, across}];
     if (across != 0) {
@@ -104,6 +111,7 @@ void VertexNumbers::passFaces(const Piece& piece, const CornerBits& bits,
       for (int64_t z = 0; z < size.z; ++z)
         for (int64_t y = 0; y < size.y; ++y) {
           const bool has_edges = axis == 1 ? y + 1 < size.y : z + 1 < size.z;
+          // A row that the surface does not cross passes on a number that nobody reads.
           const int64_t count =
               has_edges ? bits.countCrossed(axis, y, z, firstOwned(piece, axis)) : 0;
           face.push_back(numbers.first[static_cast<size_t>(axis)][bits.rowOf(y, z)] +
