@@ -39,6 +39,7 @@ Statement statementIn(const Message& message) {
   ByteReader from(message);
   Statement statement{{}, textFrom(from)};
   while (!from.left().empty()) {
+    // Braces evaluate their elements from left to right: the name comes first, then the value.
     Fact fact{textFrom(from), textFrom(from)};
     if (!from.value(fact.digest)) failSystem("a rank's statement of what it draws is cut off");
     statement.facts.push_back(std::move(fact));
@@ -59,6 +60,7 @@ std::string difference(const Fact* here, const Fact* first) {
 std::vector<std::string> differences(const Statement& here, const Statement& first) {
   std::vector<std::string> all;
   for (const Fact& fact : here.facts) {
+    // Values that would fill lines, such as voxels, are compared by their digests alone.
     const Fact* other = first.find(fact.name);
     if (other == nullptr || other->value != fact.value || other->digest != fact.digest)
       all.push_back(difference(&fact, other));
@@ -138,6 +140,8 @@ void expectAgreement(Team& team, const std::vector<Fact>& facts, std::string_vie
     put(mine, fact.value);
     mine.value(fact.digest);
   }
+  // Every rank compares all statements, so that all fail with the same line and none waits for
+  // others.
   const std::vector<Message> all = team.gatherAll(mine.bytes);
   const Statement first = statementIn(all.front());
   for (size_t rank = 1; rank < all.size(); ++rank) {

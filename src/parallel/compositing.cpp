@@ -17,6 +17,7 @@ struct TileHeader {
 };
 
 void append(Message& to, size_t tile, std::span<const std::byte> records) {
+  // Tiles that show nothing cost not even a header.
   if (records.empty()) return;
   const TileHeader header{tile, records.size()};
   const auto* bytes = reinterpret_cast<const std::byte*>(&header);
@@ -44,6 +45,7 @@ void visitTiles(const Message& message, size_t tiles, const Visit& visit) {
 std::vector<Message> messagesOf(PartialPicture& part, int ranks) {
   std::vector<Message> to(static_cast<size_t>(ranks));
   std::vector<size_t> sizes(to.size());
+  // Sizes come first: a message that grew as it was filled would exist twice at times.
   for (size_t tile = 0; tile < part.tiles.size(); ++tile)
     if (!part.tiles[tile].empty())
       sizes[static_cast<size_t>(ownerOf(tile, ranks))] +=
@@ -51,6 +53,7 @@ std::vector<Message> messagesOf(PartialPicture& part, int ranks) {
   for (size_t r = 0; r < to.size(); ++r) to[r].reserve(sizes[r]);
   for (size_t tile = 0; tile < part.tiles.size(); ++tile) {
     append(to[static_cast<size_t>(ownerOf(tile, ranks))], tile, part.tiles[tile]);
+    // The part goes tile by tile as the messages are filled, so that both are never held whole.
     part.tiles[tile] = {};
   }
   return to;
@@ -77,6 +80,7 @@ Message composed(const std::vector<Message>& from, size_t tiles, const FrameSetu
   std::vector<std::vector<PartRecord>> records(tiles);
   for (const Message& message : from)
     visitTiles(message, tiles, [&](size_t tile, std::span<const std::byte> bytes) {
+      // The records only refer to the bytes in `from`.
       const std::vector<PartRecord> more = partRecords(bytes, channels);
       records[tile].insert(records[tile].end(), more.begin(), more.end());
     });
@@ -108,6 +112,7 @@ Picture pictureOf(const std::vector<Message>& from, const PartialPicture& part,
     for (size_t i = 0; i < picture.rgba.size(); i += 4) picture.rgba[i] = traits.first_value;
   for (const Message& message : from)
     visitTiles(message, part.tiles.size(), [&](size_t tile, std::span<const std::byte> bytes) {
+      // A finished tile is one record, which composing unpacks.
       const TileNumbers numbers = composeTile(partRecords(bytes, channels), setup);
       const int x0 = static_cast<int>(tile) % part.across * kPartSide;
       const int y0 = static_cast<int>(tile) / part.across * kPartSide;
@@ -115,14 +120,17 @@ Picture pictureOf(const std::vector<Message>& from, const PartialPicture& part,
         const int x = x0 + i % kPartSide, y = y0 + i / kPartSide;
         if (x >= width || y >= height) continue;
         const auto pixel = static_cast<size_t>(i);
+        // Rows of tiles go upwards, rows of pictures downwards.
         const size_t to = static_cast<size_t>(height - 1 - y) * static_cast<size_t>(width) +
                           static_cast<size_t>(x);
         for (size_t c = 0; c < static_cast<size_t>(std::min(channels, 4)); ++c)
           picture.rgba[4 * to + c] = numbers[c][pixel];
+        // The sum of weights times depths, over the sum of weights, which is the opacity.
         if (!picture.depth.empty() && numbers[3][pixel] > 0)
           picture.depth[to] = numbers[4][pixel] / numbers[3][pixel];
       }
     });
+  // Numbers of these modes become colours here and not before: colours of parts cannot be combined.
   if (!traits.has_colors) resolveMode(setup, 1, picture.rgba);
   return picture;
 }
@@ -160,6 +168,7 @@ Picture composite(Team& team, PartialPicture part, const FrameSetup& setup, Work
   report.received_bytes = bytesOfOthers(from, team.rank());
   report.exchange_seconds = watch.lap();
   Message mine = composed(from, part.tiles.size(), setup, pool);
+  // The parts that came are freed before the finished tiles come.
   from.clear();
   report.compose_seconds = watch.lap();
   const std::vector<Message> tiles = team.gather(std::move(mine));

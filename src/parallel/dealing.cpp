@@ -44,10 +44,14 @@ Dealing dealBlocks(const PyramidLayout& pyramid, int ranks, int level) {
   };
   Dealing dealing;
   dealing.ranks = ranks;
+  // Smaller hands balance better, and each crossing between hands costs a layer: this is between
+  // the two.
   while (volume(gridOf(2 * dealing.hand, 0)) >= kHandsARank * ranks) dealing.hand *= 2;
   for (int of = 1; of < pyramid.levels(); ++of) {
     const int64_t hand = sideFor(dealing.hand, of);
     const bool is_enough = volume(gridOf(hand, of)) >= int64_t{kLeastHandsARank} * ranks;
+    // The levels up to the one that is asked for are taken even if few hands are left. Coarser ones
+    // are added as long as the hands stay as they are, or enough of them are left.
     if (of > level && hand != dealing.hand && !is_enough) break;
     dealing.hand = hand;
     dealing.coarsest_level = of;
@@ -69,6 +73,8 @@ Dealing dealLent(std::shared_ptr<const LentBoxes> boxes) {
 
 int Dealing::rankOf(Vec3i block) const {
   const Vec3i at = min(block / hand, hands - Vec3i{1, 1, 1});
+  // The upper bits are what the multiples fill evenly. They are scaled to the ranks without a
+  // division.
   const uint64_t place = hilbertPosition(at, bits) * kGolden;
   return static_cast<int>(((place >> 32) * static_cast<uint64_t>(ranks)) >> 32);
 }
@@ -82,6 +88,8 @@ std::vector<int32_t> dealPicture(const Dealing& dealing, const PyramidLayout& py
     order.emplace_back(
         hilbertPosition(dealing.handOf(pyramid.regionOf(visible.blocks[i].name).lo), dealing.bits),
         i);
+  // Every rank makes the same list in the same order and deals for all, so that no rank needs to
+  // tell another.
   std::sort(order.begin(), order.end());
   using Seat = std::pair<int64_t, int32_t>;  // blocks so far, rank
   std::priority_queue<Seat, std::vector<Seat>, std::greater<>> seats;
@@ -90,6 +98,7 @@ std::vector<int32_t> dealPicture(const Dealing& dealing, const PyramidLayout& py
   for (size_t from = 0; from < order.size();) {
     Seat seat = seats.top();
     seats.pop();
+    // Blocks of a hand stay on one rank: they are in one layer, and may hide each other.
     const uint64_t hand = order[from].first;
     for (; from < order.size() && order[from].first == hand; ++from, ++seat.first)
       ranks[order[from].second] = seat.second;
@@ -110,6 +119,7 @@ DealingLayers::DealingLayers(const Dealing& dealing, const FrameSetup& setup)
       down_[static_cast<size_t>(a)] = rays.step0[a] < 0;
       continue;
     }
+    // The eye lies where the depth along a ray would be 0.
     const double eye = rays.origin0[a] - rays.step0[a] * (setup.first_depth / setup.depth_step);
     const double hand = std::floor(eye / static_cast<double>(dealing_.side_vox));
     eye_[a] =

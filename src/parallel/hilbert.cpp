@@ -35,6 +35,8 @@ uint64_t hilbertPosition(Vec3i at, int bits) {
   axes[1] ^= axes[0];
   axes[2] ^= axes[1];
   uint64_t flips = 0;
+  // The second half of Skilling's Gray code: each bit of the last axis reverses all finer bits,
+  // alike for the three axes.
   for (uint64_t bit = top; bit > 1; bit >>= 1)
     if ((axes[2] & bit) != 0) flips ^= bit - 1;
   uint64_t position = 0;

@@ -29,6 +29,8 @@ std::optional<int64_t> planeAlong(int axis, const std::vector<Box3>& boxes,
   int64_t best_distance = 0, reach = spans.front().second;
   for (size_t i = 1; i < spans.size(); ++i) {
     const int64_t distance = std::abs(static_cast<int64_t>(i) - middle);
+    // A plane parts the boxes where each one that begins before it has ended. The one nearest to
+    // the middle keeps the tree flat.
     if (spans[i].first >= reach && (!best || distance < best_distance)) {
       best = spans[i].first;
       best_distance = distance;
@@ -52,6 +54,8 @@ LentBoxes::LentBoxes(std::vector<Box3> boxes, Vec3i dims, const std::string& nam
           rank, printBox(box), dims.x, dims.y, dims.z);
     voxels += box.count();
   }
+  // Boxes that planes part do not overlap. If they have as many voxels as the volume, they leave no
+  // gap.
   if (voxels < volume(dims))
     failRequest("{}: the ranks lend {} of {} voxels; each voxel must be in the box of one rank",
                 name, voxels, volume(dims));
@@ -91,6 +95,7 @@ int LentBoxes::part(std::vector<int> ranks, const std::string& name) {
 }
 
 Box3 LentBoxes::cellsOf(int rank) const {
+  // The last voxels along an axis begin no cell.
   return intersect(boxes_[static_cast<size_t>(rank)], boxOf(dims_ - Vec3i{1, 1, 1}));
 }
 
@@ -130,6 +135,7 @@ std::vector<uint32_t> LentBoxes::layersFor(const FrameSetup& setup) const {
     // A ray that crosses the plane goes away from the eye's side of it.
     const bool is_above_first =
         is_parallel ? rays.step0[node.axis] < 0 : eye[node.axis] > static_cast<double>(node.plane);
+    // The side that is pushed last is walked first.
     waiting.push_back(is_above_first ? node.below : node.above);
     waiting.push_back(is_above_first ? node.above : node.below);
   }

@@ -20,6 +20,7 @@ void PartDevice::makeResident(uint64_t id, ChunkTexelsPtr texels) {
 }
 
 void PartDevice::evict(uint64_t id) {
+  // Boxes that were put off are still to be drawn from this chunk.
   if (put_off_chunks_.contains(id)) drawPutOff();
   device_->evict(id);
 }
@@ -52,10 +53,12 @@ void PartDevice::draw(std::span<const BoxDraw> boxes) {
   }
   for (const BoxDraw& box : placed) put_off_chunks_.insert(box.chunk);
   put_off_.insert(put_off_.end(), placed.begin(), placed.end());
+  // A layer may then be drawn in several goes. Its records keep their order when they are composed.
   if (put_off_.size() > kMostPutOffBoxes) drawPutOff();
 }
 
 void PartDevice::drawPutOff() {
+  // Within a layer the boxes keep the order in which the frame drew them.
   std::stable_sort(put_off_.begin(), put_off_.end(),
                    [](const BoxDraw& a, const BoxDraw& b) { return a.layer < b.layer; });
   device_->cancelFrame();  // each layer is a frame of its own
@@ -98,6 +101,7 @@ void PartDevice::takeLayer(uint32_t layer, const Picture& picture) {
         [&](int pixel, int channel) {
           const size_t i = at(pixel);
           if (channel < 4) return picture.rgba[4 * i + static_cast<size_t>(channel)];
+          // Parts keep depths multiplied by their weights, so that they add up like colours.
           return picture.depth[i] * picture.rgba[4 * i + 3];
         });
     part_bytes_ += records.size() - before;

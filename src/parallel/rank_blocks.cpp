@@ -13,6 +13,7 @@ VisibleBlocks partsWithin(const VisibleBlocks& all, const Box3& cells) {
     ObjectBlock part = block;
     part.cells = intersect(block.cells, cells);
     if (part.cells.empty()) continue;
+    // A part of a black block is no whole block any more, so it is trimmed as grey ones are.
     if (part.cells != block.cells) {
       part.kind = BlockClass::kGrey;
       part.trimming_axis = shortestAxis(part.cells.size());
@@ -71,6 +72,7 @@ VisibleBlocksPtr RankBlocks::chooseOf(const BlockQuestion& question, const Visib
                                       int coarsest_level) {
   const PyramidLayout layout = question.step.layout();
   const bool loads_every = loadsEveryBlock(*all, question.algorithm);
+  // Lists of every block are only made for volumes that have few enough of them.
   if (loads_every) requireListable(layout.finest(), question.algorithm);
   if (dealing_.lent)
     return memo_.of({Identity<VisibleBlocks>(all), 0, loads_every}, [&] {
@@ -94,6 +96,8 @@ VisibleBlocksPtr RankBlocks::chooseOf(const BlockQuestion& question, const Visib
         deals_picture ? dealPicture(dealing_, layout, *all) : std::vector<int32_t>();
     for (size_t i = 0; i < all->blocks.size(); ++i) {
       const ObjectBlock& block = all->blocks[i];
+      // All finest blocks in the region of a coarser one lie in one hand, so that the first stands
+      // for them.
       const int rank =
           deals_picture ? dealt[i] : dealing_.rankOf(layout.finestBlocksOf(block.name).lo);
       if (rank != rank_) continue;

@@ -14,11 +14,15 @@ constexpr uint64_t kPartShare = 4;
 }  // namespace
 
 uint64_t partBytes(PictureSize size, const Dealing& dealing, uint64_t memory_bytes) {
+  // A single rank draws whole pictures, and no parts.
   if (dealing.ranks == 1) return 0;
   if (size.width == 0) return memory_bytes / kPartShare;
   const Vec3i hands = dealing.hands;
+  // Hands are apart by at most so many steps along the axes, and each step is a layer
+  // (DealingLayers).
   const auto layers = static_cast<uint64_t>(hands.x + hands.y + hands.z - 2);
   const auto pixels = static_cast<uint64_t>(size.width) * static_cast<uint64_t>(size.height);
+  // In the worst case each layer shows something in each pixel.
   const uint64_t all = pixels * layers * kMostPartChannels * sizeof(float);
   // Parts are drawn and gathered in turn, and messages exist in addition to them.
   return std::min(memory_bytes / kPartShare, 2 * all / static_cast<uint64_t>(dealing.ranks) +
@@ -41,6 +45,7 @@ std::unique_ptr<PartDevice> RankShare::deviceFrom(std::unique_ptr<Device> own) {
 void RankShare::drawOn(PartDevice& device) {
   device_ = &device;
   device.deal(blocks_.dealing());
+  // The other half is for the parts that come from others, see picture().
   device.limitPart(part_bytes_ / 2);
 }
 
@@ -50,6 +55,8 @@ BlockChooser* RankShare::chooserFrom(BlockChooser* chooser) {
 }
 
 void RankShare::shareEstimate(CullingOptions& options) {
+  // The ranks take the tiles in turn, so that neighbouring tiles, which cost about the same, go to
+  // different ranks.
   options.tile_stride = team_.ranks();
   options.first_tile = team_.rank();
   options.exchange = [this](int64_t time, std::vector<bool>& reached) {
@@ -58,10 +65,13 @@ void RankShare::shareEstimate(CullingOptions& options) {
 }
 
 void RankShare::exchangeReached(int64_t time, std::vector<bool>& reached) {
+  // The time step goes along: ranks at different ones would mix the blocks of both without a
+  // notice.
   Message mine(sizeof time + (reached.size() + 7) / 8);
   std::memcpy(mine.data(), &time, sizeof time);
   for (size_t i = 0; i < reached.size(); ++i)
     if (reached[i]) mine[sizeof time + i / 8] |= std::byte{1} << (i % 8);
+  // A block is reached if a ray of any tile reaches it.
   for (const Message& other : team_.gatherAll(mine)) {
     SLUICE_CHECK_EQ(other.size(), mine.size());
     int64_t of = 0;

@@ -25,6 +25,7 @@ struct Meeting {
       all_here.notifyAll();
       return;
     }
+    // A stop wakes nobody: waiting threads look for it ten times a second.
     while (rounds == round) {
       all_here.waitUntil(lock, std::chrono::steady_clock::now() + std::chrono::milliseconds(100));
       stop.throwIfStopped();
@@ -57,6 +58,7 @@ class ThreadRank : public Communicator {
       SLUICE_CHECK_EQ(numbers.size(), mine.size());
       all.insert(all.end(), numbers.begin(), numbers.end());
     }
+    // No rank may write its next numbers before all have read these.
     meeting_->wait(stop);
     return all;
   }
@@ -72,6 +74,7 @@ class ThreadRank : public Communicator {
       from[r] = std::move((*meeting_->messages[r])[me]);
       SLUICE_CHECK_EQ(from[r].size(), from_bytes[r]);
     }
+    // No rank may replace its messages before all have taken theirs.
     meeting_->wait(stop);
     return from;
   }
@@ -97,6 +100,7 @@ std::string endOf(Team& team, const std::function<void(Team&)>& body) {
   try {
     return team.fail(reason).what();
   } catch (const Interrupted&) {
+    // The ranks have been told to stop, so that the others' reasons do not come any more.
     return reason;
   }
 }

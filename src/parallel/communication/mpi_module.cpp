@@ -33,6 +33,7 @@ void check(int result, const char* what) {
 struct Transfer {
   std::vector<uint64_t> numbers_to, numbers_from;
   std::vector<Message> to, from;
+  // Receives are apart from sends and collective calls, which cannot be cancelled.
   std::vector<MPI_Request> receives, others;
 
   bool isDone() {
@@ -99,11 +100,13 @@ class MpiRanks : public Communicator {
     check(MPI_Initialized(&is_begun), "cannot begin");
     int level = MPI_THREAD_SINGLE;
     if (is_begun == 0)
+      // Only the thread that owns the ranks calls MPI (communicator.h).
       check(MPI_Init_thread(nullptr, nullptr, MPI_THREAD_FUNNELED, &level), "cannot begin");
     findPlace();
   }
   // The ranks are those of a program's communicator.
   explicit MpiRanks(MPI_Comm of_program) : is_shared_(true) {
+    // Messages within a duplicate never meet those of the program.
     check(MPI_Comm_dup(of_program, &all_), "cannot share the communicator");
     findPlace();
   }
@@ -140,14 +143,19 @@ class MpiRanks : public Communicator {
     std::vector<Message>& from = transfer->from;
     const auto me = static_cast<size_t>(rank_);
     for (size_t r = 0; r < from_bytes.size(); ++r) from.emplace_back(r == me ? 0 : from_bytes[r]);
+    // A message to itself does not go through MPI.
     from[me] = std::move(transfer->to[me]);
     const auto each = [&](Message& message, std::vector<MPI_Request>& requests, auto&& begin) {
+      // MPI keeps the order of messages between two ranks, so that the pieces of a long one need no
+      // numbers.
       for (size_t at = 0; at < message.size(); at += kMostBytesAtOnce)
         check(begin(message.data() + at,
                     static_cast<int>(std::min(kMostBytesAtOnce, message.size() - at)),
                     &requests.emplace_back(MPI_REQUEST_NULL)),
               "a message does not go");
     };
+    // All receives come first: a message that arrives finds its buffer, and MPI need not keep a
+    // copy.
     for (int r = 0; r < ranks_; ++r)
       if (r != rank_)
         each(from[static_cast<size_t>(r)], transfer->receives,
@@ -170,6 +178,7 @@ class MpiRanks : public Communicator {
 
  private:
   void findPlace() {
+    // MPI ends the process at an error unless it is told to return it.
     check(MPI_Comm_set_errhandler(all_, MPI_ERRORS_RETURN), "cannot begin");
     check(MPI_Comm_rank(all_, &rank_), "cannot begin");
     check(MPI_Comm_size(all_, &ranks_), "cannot begin");

@@ -72,8 +72,11 @@ Launch launchOf(const std::function<const char*(const char* variable)>& environm
   for (const Launcher& launcher : kLaunchers) {
     const int rank = numberIn(environment(launcher.rank));
     const int ranks = numberIn(environment(launcher.ranks));
+    // A launcher may have started a single process, which draws alone and needs no MPI.
     if (rank >= 0 && ranks > 1 && rank < ranks) return {rank, ranks, true, launcher.kind};
   }
+  // The launcher srun sets these even if it was told of no MPI: processes that cannot meet would
+  // each draw the whole picture.
   const int rank = numberIn(environment("SLURM_PROCID"));
   const int ranks = numberIn(environment("SLURM_STEP_NUM_TASKS"));
   if (rank >= 0 && ranks > 1 && rank < ranks) return {rank, ranks, false, MpiKind::kOpenMpi};
@@ -87,6 +90,7 @@ std::unique_ptr<Communicator> joinRanks(const Launch& launch) {
         "or --mpi=pmi2, or use mpirun",
         launch.ranks);
   std::unique_ptr<Communicator> ranks;
+  // The module's own error does not tell that the program was started as ranks.
   try {
     moduleFor(launch.kind).get<JoinMpi*>(kJoinMpi)(ranks);
   } catch (const Error& error) {

@@ -17,6 +17,8 @@ std::string lineOf(const std::vector<std::string>& reasons) {
   const auto fails = [](const std::string& reason) { return !reason.empty(); };
   const auto first = std::find_if(reasons.begin(), reasons.end(), fails);
   SLUICE_CHECK(first != reasons.end());
+  // All ranks often fail for one reason, such as a missing file. One rank's number would mislead
+  // then.
   if (std::count(reasons.begin(), reasons.end(), *first) == static_cast<long>(reasons.size()))
     return *first;
   const auto failed = std::count_if(reasons.begin(), reasons.end(), fails);
@@ -49,6 +51,7 @@ void Team::throwFailed(const std::vector<uint64_t>& states, const std::string& m
   std::vector<Message> to(count, asMessage(mine));
   std::vector<uint64_t> from_bytes(count);
   for (size_t r = 0; r < count; ++r)
+    // A rank that goes on gives an empty reason, whatever sizes it had announced for its messages.
     from_bytes[r] = states[r * each] == kGoesOn ? 0 : states[r * each + 1];
   std::vector<std::string> reasons;
   for (const Message& reason : communicator_->exchange(std::move(to), from_bytes, stop_))
@@ -67,6 +70,7 @@ std::vector<uint64_t> Team::agree(const std::vector<uint64_t>& sizes) {
 
 RankFailed Team::fail(const std::string& reason) {
   std::vector<uint64_t> mine(static_cast<size_t>(ranks()) + 2);  // as in exchange()
+  // An empty reason would stand for a rank that did not fail.
   const std::string said = reason.empty() ? "failed" : reason;
   mine[0] = kFailed;
   mine[1] = said.size();
@@ -85,9 +89,11 @@ std::vector<Message> Team::exchange(std::vector<Message> to, uint64_t most_bytes
   // For each rank: its state, how much it accepts, how much it sends to each.
   const std::vector<uint64_t> all = agree(sizes);
   const size_t each = count + 2;
+  // Every rank checks the sums of all, so that all throw together and none waits for a message.
   for (size_t r = 0; r < count; ++r) {
     uint64_t sum = 0;
     for (size_t giver = 0; giver < count; ++giver)
+      // The message to itself is there already and takes no further memory.
       if (giver != r) sum += all[giver * each + 2 + r];
     if (sum > all[r * each + 1])
       failMemory(
