@@ -21,6 +21,7 @@ double aboutSamples(const FrameSetup& setup, const Box3& cells) {
     const Vec3d centre = (toDouble(cells.lo) + toDouble(cells.hi)) * 0.5;
     const auto& row = setup.clip_from_index[2];
     const double depth = row[0] * centre.x + row[1] * centre.y + row[2] * centre.z + row[3];
+    // The distance between rays says nothing there.
     if (depth <= 0) return most;
     // Neighbouring rays are apart in proportion to the depth.
     dx = rays.step_dx * (depth / setup.depth_step);

@@ -23,6 +23,7 @@ class Pattern {
   Pattern() : around_(kPixels), energy_(kPixels), is_set_(kPixels) {
     for (int y = 0; y < kSide; ++y)
       for (int x = 0; x < kSide; ++x) {
+        // Distances wrap around the edges: the mask repeats without a seam.
         const int dx = std::min(x, kSide - x), dy = std::min(y, kSide - y);
         const double share = std::exp(-(dx * dx + dy * dy) / (2 * kSigma * kSigma));
         around_[indexOf(x, y)] = std::llround(share * (1 << 24));
@@ -51,6 +52,7 @@ class Pattern {
     int found = -1;
     for (int pixel = 0; pixel < kPixels; ++pixel) {
       if (isSet(pixel) != of_set) continue;
+      // Of equals the first one is taken, so that the order is the same everywhere.
       if (found < 0 ||
           sign * energy_[static_cast<size_t>(pixel)] > sign * energy_[static_cast<size_t>(found)])
         found = pixel;
@@ -67,6 +69,7 @@ Pattern firstPattern() {
   Pattern pattern;
   std::mt19937 random(kSeed);
   for (int left = kFirst; left > 0;) {
+    // The standard fixes the numbers of mt19937, but not those of its distributions.
     const auto pixel = static_cast<int>(random() % kPixels);
     if (pattern.isSet(pixel)) continue;
     pattern.set(pixel, true);
@@ -77,6 +80,7 @@ Pattern firstPattern() {
     pattern.set(cluster, false);
     const int gap = pattern.largestVoid();
     pattern.set(gap, true);
+    // The pixel that was taken away left the largest gap: nothing moves any more.
     if (gap == cluster) return pattern;
   }
 }
@@ -88,6 +92,8 @@ std::vector<float> makeNoise() {
     noise[static_cast<size_t>(pixel)] =
         (static_cast<float>(at) + 0.5F) / static_cast<float>(kPixels) - 0.5F;
   };
+  // The first pattern's pixels get the lower ranks, the one in the tightest cluster the highest of
+  // these.
   Pattern fewer = first;
   for (int at = kFirst - 1; at >= 0; --at) {
     const int pixel = fewer.tightestCluster();

@@ -56,6 +56,8 @@ std::vector<PartRecord> partRecords(std::span<const std::byte> tile, int channel
     for (const uint64_t word : record.header.mask)
       pixels += static_cast<uint32_t>(std::popcount(word));
     const size_t bytes = size_t{pixels} * static_cast<size_t>(channels) * sizeof(float);
+    // The mask is compared with its count, so that a message that was cut off or mixed up is found
+    // here.
     if (pixels != record.header.pixels || tile.size() < bytes)
       failSystem("a part of a picture is cut off");
     record.numbers = tile.first(bytes);
@@ -70,18 +72,22 @@ TileNumbers composeTile(std::vector<PartRecord> records, const FrameSetup& setup
   const int channels = partChannels(setup);
   const ModeTraits& traits = traitsOf(setup.mode);
   if (traits.needs_order) {
+    // Records of one layer keep their order, in which their maker drew them.
     std::stable_sort(records.begin(), records.end(), [](const PartRecord& a, const PartRecord& b) {
       return a.header.layer < b.header.layer;
     });
     for (const PartRecord& record : records)
       visitPixels(record, channels, [&](size_t pixel, const auto& numbers) {
         if (traits.combining == Combining::kAttenuated) {
+          // Number 1 is the opacity of the layers in front, which dims the values of this one.
           const float clear = 1 - tile[1][pixel];
           tile[0][pixel] = std::max(tile[0][pixel], clear * numbers[0]);
           tile[1][pixel] += clear * numbers[1];
           tile[2][pixel] = std::max(tile[2][pixel], numbers[2]);
           return;
         }
+        // Layers are blended front to back, premultiplied (Porter-Duff's "over"); depths times
+        // weights blend as colours do.
         const float through = 1 - tile[3][pixel];
         for (size_t c = 0; c < static_cast<size_t>(channels); ++c)
           tile[c][pixel] += through * numbers[c];

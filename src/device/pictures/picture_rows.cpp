@@ -13,6 +13,7 @@ StripsOfDevice::StripsOfDevice(Device& device) : device_(dynamic_cast<DrawsRows*
 }
 
 StripsOfDevice::~StripsOfDevice() {
+  // The device may draw other pictures afterwards, which are whole ones.
   device_->drawRows(std::nullopt);
 }
 

@@ -31,6 +31,7 @@ class Integral {
   Rgba meanOf(double lo, double hi) const {
     const double from = placeOf(lo), to = placeOf(hi);
     constexpr double kSameEntry = 1e-6;
+    // Sums that are so close differ by rounding alone: the entry itself is the mean.
     if (to - from < kSameEntry) return nearest(from);
     const Rgba before = sumTo(from), until = sumTo(to);
     Rgba mean{};
@@ -54,6 +55,7 @@ class Integral {
     return at(static_cast<size_t>(std::clamp(place, 0.0, static_cast<double>(count_) - 0.5)));
   }
   Rgba sumTo(double place) const {
+    // The place may lie beyond the table, where the sum goes on with the first or the last entry.
     const double whole = std::floor(std::clamp(place, 0.0, static_cast<double>(count_ - 1)));
     const auto i = static_cast<size_t>(whole);
     const Rgba entry = at(i);
@@ -121,9 +123,12 @@ ValueRange shownRange(double mean, double spread, const ExpectedLook& expected) 
   const ValueRange all = expected.device_range;
   const double span = all.hi - all.lo;
   if (!(spread > 0) || !(span > 0)) return {mean, mean};
+  // This is the upper one of the two rows that a sample is interpolated between: the reverse of row
+  // r's spread in ExpectedLook.
   const double row = std::floor(std::sqrt(spread / span) * expected.rows) + 1;
   const double share = std::min(row / expected.rows, 1.0), entry = span / expected.entries;
   const ValueRange range = spreadRange(mean, span * share * share, all);
+  // Samples are interpolated between entries, and one entry more is for rounding.
   return {std::min(mean, range.lo) - 2 * entry, std::max(mean, range.hi) + 2 * entry};
 }
 
@@ -139,6 +144,7 @@ std::vector<ByteRange> byteRanges(const ExpectedLook& look) {
   for (int mean = 0; mean < kBytes; ++mean)
     for (int spread = 0; spread < kBytes; ++spread) {
       const ValueRange range = shownRange(mean, spread, look);
+      // Shown values are rounded outwards, so that a byte that shows something is never left out.
       ranges.push_back({byteOf(std::floor(range.lo)), byteOf(std::ceil(range.hi))});
     }
   return ranges;

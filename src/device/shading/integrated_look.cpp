@@ -33,6 +33,7 @@ IntegratedLook integratedLook(const LookUp& look_up) {
     const std::array<double, 4> lower = extinctionOf(look_up, i);
     const std::array<double, 4> upper = extinctionOf(look_up, std::min(i + 1, entries - 1));
     for (size_t c = 0; c < 4; ++c) {
+      // The look is linear between two entries, so that the trapezoid is exact.
       sums[i + 1][c] = sums[i][c] + (lower[c] + upper[c]) / 2;
       most = std::max(most, sums[i + 1][c]);
     }
@@ -42,6 +43,8 @@ IntegratedLook integratedLook(const LookUp& look_up) {
     for (const double number : alone.back()) most = std::max(most, number);
   }
   IntegratedLook look;
+  // The greatest number uses the whole range of the type, so that small differences keep the most
+  // digits.
   const double scale = most > 0 ? kMostSum / most : 1;
   look.unit = 1 / scale;
   for (const auto* row : {&sums, &alone})
@@ -49,6 +52,7 @@ IntegratedLook integratedLook(const LookUp& look_up) {
       for (const double number : numbers)
         look.sums.push_back(static_cast<int32_t>(std::llround(number * scale)));
   const ValueRange range = look_up.device_range;
+  // A volume of one value has a single entry, whatever the value.
   if (range.hi > range.lo)
     look.entries_a_value = static_cast<double>(entries - 1) / (range.hi - range.lo);
   look.first = -range.lo * look.entries_a_value;

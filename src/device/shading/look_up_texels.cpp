@@ -18,6 +18,7 @@ constexpr float kNothingSeen = 2e38F;
 void setParts(std::vector<float>& rgba) {
   const size_t entries = rgba.size() / 4;
   std::vector<size_t> from_invisible(entries);
+  // Values beyond the ends of the table look like its ends, so that nothing fades there.
   size_t distance = kFadeEntries;
   const auto walk = [&](size_t entry) {
     distance = rgba[4 * entry + 3] > 0 ? std::min(distance + 1, kFadeEntries) : 0;
@@ -91,6 +92,7 @@ std::array<double, 2> visibleValues(const LookUp& look_up) {
   const ValueRange range = look_up.device_range;
   const int last = static_cast<int>(look_up.rgba.size() / 4) - 1;
   const double entry = (range.hi - range.lo) / std::max(1, last);
+  // An entry more is for rounding, see the header.
   const int least = intervals.front().first - 1, greatest = intervals.back().last + 1;
   return {least < 0 ? -kAll : range.lo + least * entry,
           greatest > last ? kAll : range.lo + greatest * entry};
@@ -101,6 +103,7 @@ void scaleValues(const FrameSetup& setup, double device_unit, std::vector<float>
   // Places in a window, or codes of them.
   if (traits.combining == Combining::kAttenuated || traits.codes_depth) return;
   for (size_t i = 0; i < rgba.size(); i += 4)
+    // Numbers that mean that nothing is seen must stay beyond the limit.
     if (std::abs(rgba[i]) < kNothingSeen) rgba[i] *= static_cast<float>(device_unit);
 }
 
@@ -109,6 +112,7 @@ namespace {
 void resolveDepths(const FrameSetup& setup, std::span<float> rgba) {
   for (size_t i = 0; i < rgba.size(); i += 4) {
     const double code = rgba[i];
+    // A code below 0 tells that nothing was seen.
     const bool seen = code >= 0;
     const float part = seen ? std::min(rgba[i + 1], 1.0F) : 0;
     const Vec3d rgb = seen ? depthColor(setup, depthOfCode(code)) * placeOfCode(code) : Vec3d{};
@@ -128,6 +132,7 @@ void resolveMode(const FrameSetup& setup, double device_unit, std::span<float> r
   const auto& table = setup.look_up->rgba;
   const size_t entries = table.size() / 4;
   const ValueRange range = setup.look_up->device_range;
+  // All values of a volume of one value have the first entry.
   const double per_device =
       range.hi > range.lo ? static_cast<double>(entries - 1) / (range.hi - range.lo) : 0;
   const Combining combining = traitsOf(setup.mode).combining;
@@ -139,7 +144,9 @@ void resolveMode(const FrameSetup& setup, double device_unit, std::span<float> r
         average || attenuated ? rgba[i + share] > 0 : std::abs(rgba[i]) < kNothingSeen;
     double device = seen ? rgba[i] * device_unit : 0;
     if (seen && average) device /= rgba[i + 1];
+    // The number is a place in the window already, and not a value.
     if (attenuated) device = std::lerp(setup.window[0], setup.window[1], double{rgba[i]});
+    // A minimum keeps 1 - the share, since its numbers are combined by taking the least.
     const float part = !seen                            ? 0
                        : combining == Combining::kLeast ? 1 - rgba[i + share]
                                                         : std::min(rgba[i + share], 1.0F);
