@@ -30,6 +30,7 @@ PieceSpan pieceSpan(const SliceRanges& ranges, int64_t block) {
   PieceSpan piece;
   piece.first = block / BoxStore::kPieceBlocks * BoxStore::kPieceBlocks;
   piece.count = std::min(BoxStore::kPieceBlocks, ranges.layout.blockCount() - piece.first);
+  // The blocks ascend, and a piece is a run of ids: its blocks lie together in the list.
   const auto begin = std::lower_bound(ranges.blocks.begin(), ranges.blocks.end(), piece.first);
   const auto end = std::lower_bound(begin, ranges.blocks.end(), piece.first + piece.count);
   piece.blocks = {begin, end};

@@ -77,6 +77,7 @@ class TreeReader {
   bool readNode(const Room& room, std::vector<Room>& waiting) {
     const auto at = static_cast<int32_t>(tree_.nodes.size());
     TreeNode node;
+    // The kind of a node is its axis: kLeaf is the one behind z.
     if (!in_.value(node.axis) || node.axis > kLeaf) return false;
     if (room.parent >= 0) {
       TreeNode& parent = tree_.nodes[static_cast<size_t>(room.parent)];
@@ -204,6 +205,7 @@ std::optional<BoxesPiece> deserializeBoxesPiece(std::span<const std::byte> bytes
                                                 int64_t count) {
   ByteReader in(bytes);
   PieceHeader header{};
+  // A piece made from other voxels, blocks or parameters does not count, see BoxesOrigin.
   if (!in.value(header) || header != headerOf(origin, first, count)) return std::nullopt;
   BoxesPiece piece;
   piece.first = first;

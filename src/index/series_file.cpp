@@ -46,6 +46,7 @@ bool read(ByteReader& in, TransferFunction& transfer) {
   uint8_t labels = 0;
   uint32_t rows = 0;
   if (!in.list(transfer.opacities) || !in.value(labels) || !in.value(rows)) return false;
+  // No transfer function has more rows: a damaged number must not claim memory.
   if (transfer.opacities.empty() || rows > kMostGradientRows) return false;
   transfer.labels = labels != 0;
   transfer.gradients.resize(rows);
@@ -125,7 +126,7 @@ bool unpackFunctions(const std::vector<uint8_t>& bytes, uint64_t count, SeriesOp
   return in.atEnd();
 }
 
-// For each block, the number of its spans; for each span, the steps since the last one began and
+// Each block gives the number of its spans. Each span gives the steps since the last one began, and
 // its function.
 std::vector<uint8_t> packSpans(const SeriesOpacity& series) {
   std::vector<uint8_t> out;
@@ -144,6 +145,7 @@ std::vector<uint8_t> packSpans(const SeriesOpacity& series) {
 
 bool fitsBlock(const SeriesOpacity& series, int64_t block, uint64_t function) {
   if (function >= series.functions.size()) return false;
+  // A function without parts is its floor everywhere. Another one must have as many as the block.
   const size_t parts = series.functions[function].parts.size();
   return parts == 0 || parts == static_cast<size_t>(volume(series.partsOf(block).count()));
 }
@@ -197,6 +199,8 @@ bool unpackSeries(ByteReader& in, const SeriesRecipe& recipe, SeriesOpacity& ser
   return std::ranges::equal(series.tree->bits(), bits);
 }
 
+// The hash only makes the key's name. The transfer function itself is in the file and compared
+// there.
 uint64_t hashOf(const std::vector<std::byte>& bytes) {
   uint64_t hash = 0xcbf29ce484222325U;  // FNV-1a
   for (const std::byte byte : bytes) hash = (hash ^ static_cast<uint64_t>(byte)) * 0x100000001b3U;
@@ -262,6 +266,7 @@ std::optional<KeptSeries> deserializeSeries(std::span<const std::byte> bytes,
       !in.list(report.coherent))
     return std::nullopt;
   const auto steps = static_cast<size_t>(recipe.steps);
+  // The report counts from the second step on.
   if (kept.nonempty.size() != steps || report.blocks.size() + 1 != steps ||
       report.coherent.size() + 1 != steps)
     return std::nullopt;

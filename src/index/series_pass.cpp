@@ -54,6 +54,7 @@ class Pass {
   uint64_t bytesOfBlock() const {
     const int64_t side = layout_.cells() + 1;
     const auto voxels = static_cast<uint64_t>(volume(Vec3i{side, side, side}));
+    // The least extinctions are those of cubes, kDetail of which make a part along each axis.
     const auto cubes = static_cast<uint64_t>(
         volume(PartGrid{{side, side, side}, options_.part_cells / kDetail}.count()));
     // Voxels as they are read, and the opacities and cubes of one block and the representative.
@@ -69,6 +70,7 @@ class Pass {
   }
 
   std::vector<Run> runs(int threads) const {
+    // A run of one block is taken even if it exceeds the limit: the pass would not run otherwise.
     const uint64_t a_thread = options_.most_bytes / static_cast<uint64_t>(threads);
     const int64_t most =
         std::clamp<int64_t>(static_cast<int64_t>(a_thread / bytesOfBlock()), 1, kMostRun);
@@ -155,10 +157,11 @@ class Pass {
                const std::vector<std::byte>& voxels, OpacityBlock& current) {
     Stopwatch watch;
     const bool is_empty = steps_[step].isEmpty(block);
+    // Before the first step a block counts as empty.
     const bool was_empty = step == 0 || steps_[step - 1].isEmpty(block);
     const bool counts = step > 0 && !(is_empty && was_empty);
     if (counts) ++blocks_[step];
-    // Nothing stays nothing, whatever the threshold.
+    // A block that stays empty is coherent, whatever the threshold of difference.
     if (growing.since >= 0 && is_empty && growing.is_empty) {
       if (counts) ++coherent_[step];
       return;
@@ -184,6 +187,7 @@ class Pass {
     watch.lap();
     growing.since = static_cast<int32_t>(step);
     growing.is_empty = is_empty;
+    // Buffers change places, so that both keep their memory.
     if (!is_empty) std::swap(growing.representative, current);
     add(clocks_.fusion, watch);
   }
@@ -227,6 +231,7 @@ StepBlocks::StepBlocks(const SliceRanges& ranges, const ExtinctionTable& table)
       highs_(kinds_.size()),
       index_file_(ranges.index_file) {
   const auto set = [&](size_t block, double lo, double hi) {
+    // A block of one value that shows counts as uniform: its function follows without a voxel.
     kinds_[block] = !table.shown().anyIn(lo, hi) ? Kind::kEmpty
                     : lo == hi                   ? Kind::kUniform
                                                  : Kind::kMixed;

@@ -76,6 +76,7 @@ std::optional<SliceRanges> deserialize(std::span<const std::byte> bytes, const B
                      in.left().empty();
   if (!whole) return std::nullopt;
   // Sizes are compared with the number of blocks, so that no index reaches beyond the arrays.
+  // An element is the least and the greatest voxel.
   const size_t element = 2 * bytesPerVoxel(map.type);
   const size_t held = ranges.blocks.size();
   if (ranges.totals.size() != held * element ||

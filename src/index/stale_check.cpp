@@ -10,7 +10,8 @@
 namespace sluice {
 namespace {
 
-// Of the voxels around the block's own cells: the arrays know nothing of ghost layers.
+// The values are those of the voxels around the block's own cells: the arrays know nothing of ghost
+// layers.
 template <class T>
 BlockValues foundValues(const BlockLayout& layout, int64_t block, const VolumeBlock& read) {
   const Box3 cells = layout.ownedCells(layout.indexOf(block));

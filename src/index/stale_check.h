@@ -27,7 +27,7 @@ struct BlockValues {
   double lo = 0, hi = 0;
   friend bool operator==(const BlockValues&, const BlockValues&) = default;
 };
-// What the arrays say of a block.
+// Returns the values that the arrays tell of a block.
 BlockValues expectedValues(const SliceRanges& ranges, int64_t block);
 
 // Where the expected values came from, and how to print them.
@@ -36,8 +36,8 @@ struct ExpectedOrigin {
   ValueMap map;
   std::filesystem::path index_file;  // empty: the arrays were made from the voxels
 };
-// For blocks that are read past the volume buffer. Throws Error if the values differ, and removes
-// the volume's indices.
+// Checks blocks that are read past the volume buffer. Throws Error if the values differ, and
+// removes the volume's indices.
 void expectSameValues(const BlockName& name, const BlockValues& found, const BlockValues& expected,
                       const ExpectedOrigin& origin);
 

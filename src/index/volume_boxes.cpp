@@ -38,6 +38,7 @@ std::vector<BlockRun> runsOf(const BlockLayout& layout, std::span<const int64_t>
 }
 
 Vec3d voxelSize(const VolumeLayout& layout) {
+  // The shortest side of a voxel is 1, as gradients are measured in it.
   return layout.spacing / std::min({layout.spacing.x, layout.spacing.y, layout.spacing.z});
 }
 
