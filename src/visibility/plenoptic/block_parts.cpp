@@ -18,6 +18,7 @@ namespace {
 
 template <class T>
 float leastIn(const ExtinctionTable& table, T lo, T hi) {
+  // Bytes have a table of all intervals.
   if constexpr (sizeof(T) == 1) return table.leastInBytes(lo, hi);
   return table.leastIn(static_cast<double>(lo), static_cast<double>(hi));
 }
@@ -103,6 +104,7 @@ BlockParts blockParts(const T* voxels, int64_t row_stride, int64_t plane_stride,
         }
       for (int64_t x = 0; x < count.x; ++x, ++at) {
         const Box3 cells = grid.cellsOf({x, y, z});
+        // The voxels on both faces of a part are its own: its cells lie between them.
         const auto first = cells.lo.x, end = cells.hi.x + 1;
         parts.least[at] = leastIn(table, *std::min_element(lo.begin() + first, lo.begin() + end),
                                   *std::max_element(hi.begin() + first, hi.begin() + end));

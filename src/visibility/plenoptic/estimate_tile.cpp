@@ -232,7 +232,7 @@ class VisibilityEstimate::TileWork {
     return floor * (d - 1) + (ratio - floor) * d;
   }
 
-  // For rays that cross enough of the block, the extinction from its table, which may exceed that
+  // Rays that cross enough of the block take the extinction from its table, which may exceed that
   // of its parts.
   void noteTable(const Place& place, size_t row) {
     for (size_t x = first_x(); x < end_x(); ++x) {

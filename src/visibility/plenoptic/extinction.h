@@ -27,7 +27,7 @@ class ExtinctionTable {
   // The same for device values of one byte, from a table: cells of such blocks are looked up by the
   // million.
   float leastInBytes(uint8_t lo, uint8_t hi) const { return of_bytes_[size_t{lo} << 8U | hi]; }
-  // Of each entry of the table, whatever the gradient.
+  // The extinction of each entry of the table, whatever the gradient.
   const std::vector<float>& entries() const { return levels_.front(); }
   // Opacity of a device value at a voxel, whatever the gradient: Opa(v) of equation 1.
   float opacityOf(double device) const {

@@ -19,6 +19,7 @@ void fillOpacityBlock(const T* voxels, int64_t row_stride, int64_t plane_stride,
   block.parts = blockParts(voxels, row_stride, plane_stride, grid, table);
   const Vec3i size = grid.cells + Vec3i{1, 1, 1};
   block.opacity.resize(static_cast<size_t>(volume(size)));
+  // Bytes have few values: each is looked up once.
   std::array<float, 256> known{};
   if constexpr (sizeof(T) == 1)
     for (size_t v = 0; v < known.size(); ++v) known[v] = table.opacityOf(static_cast<double>(v));
@@ -54,6 +55,8 @@ double blockDifference(std::span<const float> a, std::span<const float> b) {
   double sum = 0;
   int64_t voxels = 0;
   for (size_t from = 0; from < a.size(); from += kBatch) {
+    // A float sums at most kBatch / kLanes squares before they go to the double, so that little is
+    // lost to rounding.
     const size_t end = std::min(a.size(), from + kBatch);
     std::array<float, kLanes> sums{};
     std::array<int32_t, kLanes> counts{};
@@ -62,6 +65,7 @@ double blockDifference(std::span<const float> a, std::span<const float> b) {
       for (size_t lane = 0; lane < kLanes; ++lane) {
         const float distance = a[i + lane] - b[i + lane];
         sums[lane] += distance * distance;
+        // A voxel counts unless it is empty in both blocks (equation 2).
         counts[lane] += a[i + lane] + b[i + lane] > 0 ? 1 : 0;
       }
     for (; i < end; ++i) {
@@ -79,6 +83,7 @@ double blockDifference(std::span<const float> a, std::span<const float> b) {
 
 void fuse(OpacityBlock& into, const OpacityBlock& by) {
   SLUICE_CHECK_EQ(into.opacity.size(), by.opacity.size());
+  // The lower opacity of both hides no more than either step does (equation 3).
   const auto least = [](std::vector<float>& a, const std::vector<float>& b) {
     for (size_t i = 0; i < a.size(); ++i) a[i] = std::min(a[i], b[i]);
   };

@@ -7,7 +7,7 @@
 namespace sluice {
 namespace {
 
-// A depth further off than any sample.
+// A depth further off than any sample, and within what ceilOf() can round.
 constexpr double kFarSlices = 1 << 29;
 
 // The step kept away from 0, so that one may divide by it.
@@ -37,6 +37,7 @@ using Lanes = SampleBatch::Lanes;
   };
   const float last_x = lastOf(parts.count[0]), last_y = lastOf(parts.count[1]),
               last_z = lastOf(parts.count[2]);
+  // A look at whether any lane goes on costs a sum over all: one every few samples is enough.
   constexpr int32_t kBetweenLooks = 4;
   for (int32_t from = 0; from < most; from += kBetweenLooks) {
     int32_t live = 0;
@@ -59,9 +60,11 @@ using Lanes = SampleBatch::Lanes;
         const auto x = static_cast<int32_t>(px), y = static_cast<int32_t>(py),
                    z = static_cast<int32_t>(pz);
         const int32_t part = (z >> 2) * plane + (y >> 2) * row + (x >> 2);
+        // A cube has two bits, which choose one of its part's four levels (part_detail.h).
         const uint32_t layer = cubes[4 * part + (z & 3)];
         const auto bit = static_cast<uint32_t>(2 * ((x & 3) | (y & 3) << 2));
         const float value = values[4 * part + static_cast<int32_t>(layer >> bit & 3U)];
+        // Both conditions are numbers, and no branches, so that the loop stays vector code.
         const bool counts = (k < lanes.count[i]) & (lanes.sum[i] < lanes.room[i]);
         lanes.sum[i] += counts ? value : 0.0F;
         lanes.taken[i] += counts ? 1 : 0;

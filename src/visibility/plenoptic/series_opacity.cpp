@@ -17,6 +17,7 @@ std::string keyOf(const OpacityFunction& function) {
   std::string key(1, static_cast<char>(function.floor));
   key += static_cast<char>(function.ratios.empty() ? 0 : 1);
   key.append(function.ratios.begin(), function.ratios.end());
+  // The count keeps apart functions whose parts and detail would run together alike.
   key += std::to_string(function.parts.size()) + ":";
   key.append(function.parts.begin(), function.parts.end());
   key.append(function.detail.begin(), function.detail.end());
@@ -30,6 +31,7 @@ int32_t SeriesOpacity::functionAt(int64_t block, int64_t step) const {
   const auto behind =
       std::upper_bound(of_block.begin(), of_block.end(), step,
                        [](int64_t at, const CoherentSpan& span) { return at < span.first; });
+  // Each block has a span that begins at step 0.
   SLUICE_CHECK(behind != of_block.begin());
   return (behind - 1)->function;
 }
@@ -85,6 +87,7 @@ SeriesOpacity combined(std::span<const SeriesOpacity* const> bases,
     // A span of the combination begins wherever one of a basis does.
     std::set<int32_t> begins{0};
     for (size_t i = 0; i < bases.size(); ++i)
+      // A basis with exponent 0 does not change the combination, and neither do its spans.
       if (exponents[i] > 0)
         for (const CoherentSpan& span : bases[i]->spansOf(b)) begins.insert(span.first);
     BlockOpacity& block = blocks[static_cast<size_t>(b)];
