@@ -42,6 +42,8 @@ int shortestAxis(Vec3i size) {
 VisibleBlocks classify(const SliceRanges& ranges, const OpacityTable& table, const Box3& crop,
                        WorkerPool& pool, int64_t time) {
   VisibleBlocks result;
+  // Each task has a list of its own, which needs no lock, and the lists follow each other in the
+  // order of blocks.
   std::vector<std::vector<ObjectBlock>> parts(tasksOf(ranges));
   visitDeviceType(ranges.map.type, [&](auto tag) {
     const Classifier<decltype(tag)> classifier(ranges, table, crop);

@@ -36,9 +36,9 @@ struct CutSummary {
   // Coarser blocks in the picture below which the finest level shows something thinner than two of
   // their voxels: they may show next to nothing of it.
   int64_t thin_blocks = 0;
-  // Of surfaces: what the voxels that were read have changed in thin_blocks. Blocks that lose part
-  // of a surface (lost_surfaces.h) are added, and blocks that lose nothing are taken away. Unset
-  // before the reading, and without surfaces.
+  // With surfaces, this is the change of thin_blocks by the voxels that were read. Blocks that lose
+  // part of a surface (lost_surfaces.h) are added, and blocks that lose nothing are taken away.
+  // Unset before the reading, and without surfaces.
   std::optional<int64_t> thin_change;
   // The spread or share of the blocks whose voxels were read; unset before that, and without.
   std::optional<StandingSpread> spread;

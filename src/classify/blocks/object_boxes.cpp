@@ -76,6 +76,7 @@ int64_t ObjectBoxes::cellCount(WorkerPool& pool) const {
   std::atomic<int64_t> cells = 0;
   const int64_t parts = (layout().blockCount() + kPart - 1) / kPart;
   pool.parallelFor(parts, [&](int64_t part) {
+    // Each task adds once, not at each block: the threads would wait for one another's cache line.
     int64_t of_part = 0;
     const int64_t end = std::min(layout().blockCount(), (part + 1) * kPart);
     for (int64_t block = part * kPart; block < end; ++block) {
@@ -107,6 +108,7 @@ Vec3i ObjectBoxes::extentWithNeighbors(Vec3i index) const {
   for (int a = 0; a < 3; ++a) {
     const auto axis = static_cast<size_t>(a);
     extent[a] = box.hi[axis] - box.lo[axis];
+    // A neighbour counts if its box reaches the face between them and meets this one there.
     if (box.lo[axis] == 0 && index[a] > 0)
       if (const PackedBox& next = at(block - strides[axis]);
           next.hi[axis] == side && touches(next, axis))

@@ -68,7 +68,7 @@ class Grower {
         // Cells and not bricks, since the last brick of an axis may be smaller.
         const int64_t added =
             grid_.cellsOf(next->bricks).count() - grid_.cellsOf(box.bricks).count();
-        // The second term decides among equals.
+        // The second term decides among equals: it prefers the axis along which the box is shorter.
         const double score = (next->cost - box.cost) / static_cast<double>(added) +
                              1e-3 * static_cast<double>(next->bricks.size()[axis]);
         if (best && score >= best_score) continue;
@@ -186,6 +186,7 @@ GrownBox boxOfBricks(const BrickGrid& grid, const Box3& bricks,
 
 std::vector<GrownBox> growBoxes(const BrickGrid& grid, const GrowingParameters& parameters) {
   const Vec3i size = grid.cells.size();
+  // Boxes keep their cells in 16 bits.
   SLUICE_CHECK_LT(std::max({size.x, size.y, size.z}), int64_t{1} << 16);
   return Grower(grid, parameters).run();
 }
