@@ -47,7 +47,7 @@ struct VolumeBlock {
   int numbers = 1;  // a voxel: 2 with spreads
   BufferMemory::Piece bytes;
 
-  // Of the voxels alone, or of their spreads alone.
+  // The bytes of the voxels alone, which are also those of their spreads alone.
   size_t planeBytes() const { return static_cast<size_t>(voxels.count()) * bytesPerVoxel(type); }
   size_t byteCount() const { return planeBytes() * static_cast<size_t>(numbers); }
   // Bytes in front of a voxel. Requires: voxels.contains(voxel).

@@ -10,7 +10,7 @@
 namespace sluice {
 namespace {
 
-// Of the voxels around the block's own cells, as in an index.
+// The arrays tell of the voxels around the block's own cells, as in an index.
 template <class T>
 std::vector<PlaneRange<T>> arraysOf(const BlockLayout& layout, int64_t block,
                                     const VolumeBlock& read) {
