@@ -17,8 +17,8 @@ namespace sluice {
 // A level above the finest one.
 struct CoarserStep {
   VolumeSource* source = nullptr;  // outlives whoever has the step
-  // Of its own voxels; null: not known, any block may show something. A level that shows what the
-  // finest one shows (showsAsFinest()) needs none.
+  // The ranges are those of its own voxels. Null: they are not known, and any block may show
+  // something. A level that shows what the finest one shows (showsAsFinest()) needs none.
   std::shared_ptr<const SliceRanges> ranges;
   VolumeSource* spreads = nullptr;  // CoarserLevel::spreads
   LevelValues values = LevelValues::kUnknown;

@@ -33,8 +33,8 @@ struct BlockQuestion {
   const ReadLimit* limit = nullptr;          // of a cut; null: it waits for all data
   bool looks_around = false;                 // the frame integrates or has surfaces; not of a cut
   Algorithm algorithm = Algorithm::kMerged;  // whether blocks that are not visible are loaded, too
-  // Of a cut that keeps what is thin: whether the voxels of a coarser block lose part of a surface.
-  // It may read the block. Null: that is not known.
+  // Tells, of a cut that keeps what is thin, whether the voxels of a coarser block lose part of a
+  // surface. It may read the block. Null: that is not known.
   std::function<bool(const ObjectBlock&)> loses_surface = {};
 };
 

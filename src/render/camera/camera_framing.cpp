@@ -132,7 +132,8 @@ void VisibleHull::add(const Box3& cells) {
   for (Farthest& farthest : farthest_) {
     Vec3d corner;
     for (int a = 0; a < 3; ++a) corner[a] = farthest.along[a] > 0 ? hi[a] : lo[a];
-    // Of two corners as far, the first is kept, so that shared corners are listed once.
+    // The first of two corners that are equally far is kept, so that shared corners are listed
+    // once.
     const double far = dot(corner, farthest.along);
     if (far <= farthest.far) continue;
     farthest.far = far;

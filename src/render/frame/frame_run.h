@@ -49,7 +49,7 @@ struct FrameLessons {
 
   BlockClasses blocks;
   double draw_s = 0;  // drawing time
-  // For frames with this occlusion.
+  // The updates are those of frames with this occlusion.
   Occlusion occlusion = Occlusion::kOff;
   UpdateCount updates{kUpdates};
   // The chunks of which the last frame of this plan with this occlusion drew something. Chunks that

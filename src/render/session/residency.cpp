@@ -21,7 +21,7 @@ std::vector<VolumeBuffer::Level> bufferLevels(const TimeStep& step) {
   return levels;
 }
 
-// Of all levels, level 0 first.
+// Returns the sources of all levels, level 0 first.
 std::vector<VolumeSource*> sourcesOf(const TimeStep& step) {
   std::vector<VolumeSource*> sources{step.source};
   for (const CoarserStep& coarser : step.coarser) {

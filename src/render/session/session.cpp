@@ -186,7 +186,7 @@ void Session::countLost(const Look& look, const VisibleBlocks& visible, const Vi
                         ReadTally& tally, FrameReport& report) {
   const PyramidLayout pyramid = step_.layout();
   const PixelSizes sizes(step_.source->layout(), view);
-  // What shows around the surfaces may be thin, too.
+  // Parts that show around the surfaces may be thin, too.
   const bool may_clear = !showsOpacities(*look.look_up);
   int64_t change = 0;
   for (const ObjectBlock& block : visible.blocks) {

@@ -165,8 +165,8 @@ class Session {
   void takeLearntRanges();
   // Begins to read the data that `next` needs.
   void readAfterwards(const TimeStep& next);
-  // For a picture of a cut with a time limit; nullopt: it waits for all its data, or leaves some
-  // out if it is of one level.
+  // Returns the limit of a picture of a cut with a time limit. Nullopt: the picture waits for all
+  // its data, or leaves some out if it is of one level.
   std::optional<ReadLimit> readLimit(const LookPtr& look) const;
   // The distance between slices, see FrameOptions::step_follows_cut.
   double stepForCut(const VisibleBlocks& visible, const FrameOptions& options) const;

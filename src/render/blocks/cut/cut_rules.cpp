@@ -74,7 +74,7 @@ bool drawsCut(const TimeStep& step, const std::optional<CutOptions>& cut, Mode m
            shows_extremes;
   }
   requireLevel(*cut, step);
-  // What was asked for is drawn or refused with a reason.
+  // Levels that were asked for are drawn, or refused with a reason.
   for (const CoarserStep& level : step.coarser) {
     const LevelValues found = level.valuesShown();
     if (found == LevelValues::kUnknown || found == wanted || cut->level.value_or(1) == 0) continue;

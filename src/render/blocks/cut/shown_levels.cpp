@@ -299,8 +299,8 @@ Box3 ShownLevels::boxesAround(Vec3i index) {
   return box;
 }
 
-// What the finest level shows below this block and those beside it, with the cells around that
-// interpolate the level's voxels which stand for it.
+// Returns the box of the finest cells that show something below this block and those beside it,
+// with the cells around that interpolate the level's voxels which stand for them.
 Box3 ShownLevels::reachIn(int level, Vec3i index) {
   const LevelLayout& at = pyramid_.level(level);
   const Box3 region = pyramid_.regionOf(level, index);

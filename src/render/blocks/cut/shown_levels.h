@@ -47,12 +47,12 @@ class ShownLevels {
   bool hasThinParts(int level, Vec3i index);
   // The finest cells of a finest block that show something.
   int64_t finestCells(Vec3i index) { return boxesOf(0)->of(index).count(); }
-  // What is drawn of a block of time step `time` at its level: the box of the finest cells in its
-  // region where interpolation of the level's voxels gives something visible; under a look with
-  // surfaces, of all cells of the level within one of its voxels of such a place (see
-  // FrameSetup::has_surfaces). A level with spreads,
-  // of extremes or of modes shows what the finest level shows; if the ranges of another level are
-  // not known, the whole region shows. No cells: nothing.
+  // Returns the part of a block of time step `time` that is drawn at its level: the box of the
+  // finest cells in its region where interpolation of the level's voxels gives something visible;
+  // under a look with surfaces, of all cells of the level within one of its voxels of such a place
+  // (see FrameSetup::has_surfaces). A level with spreads, of extremes or of modes shows what the
+  // finest level shows; if the ranges of another level are not known, the whole region shows. No
+  // cells: nothing.
   ObjectBlock objectOf(int level, Vec3i index, int64_t time);
   // The same for a block that has a part in the picture because of what the finest level shows:
   // something in its region, or, if its level shows as the finest one does, as far beyond as

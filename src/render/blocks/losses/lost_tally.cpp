@@ -73,7 +73,7 @@ bool LostTally::loses(const Asked& asked, const ObjectBlock& object, const Volum
   });
 }
 
-// What belongs to surfaces that are no longer asked for is dropped.
+// Results for surfaces that are no longer asked for are dropped.
 void LostTally::store(const AskedPtr& asked, const BlockName& name, bool is_lost) {
   const MutexLock lock(mutex_);
   if (asked_ == nullptr || !(asked_->key == asked->key)) return;
