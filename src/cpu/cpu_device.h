@@ -72,8 +72,8 @@ class CpuDevice : public Device, public DrawsRows {
     Leaps leaps;
     uint32_t channel = 0;  // of its boxes
   };
-  // Of a chunk that was evicted: it comes back with the same texels if it is still in the level
-  // below, as when a threshold goes to and fro.
+  // A chunk that was evicted comes back with the same texels if it is still in the level below, as
+  // when a threshold goes to and fro.
   struct Evicted {
     std::weak_ptr<const ChunkTexels> texels;
     Leaps leaps;

@@ -154,7 +154,7 @@ void setRangesOfSpreads(const ChunkTexels& chunk, const ExpectedLook* expected, 
 // Sets 1 where something may show, otherwise 0.
 template <class T>
 void markShown(const Range<T>* ranges, const ShownVoxels<T>& shown, std::span<uint8_t> marks) {
-  // Of a few intervals each is one loop over the bricks.
+  // Each of a few intervals is one loop over the bricks.
   constexpr size_t kFewIntervals = 4;
   if (shown.intervals().size() > kFewIntervals) {
     for (size_t i = 0; i < marks.size(); ++i)

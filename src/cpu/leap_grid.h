@@ -27,7 +27,7 @@ inline constexpr int kMostDistance = 6;
 
 struct LeapGrid {
   Vec3i bricks;
-  // For each brick, x fastest, the least and the greatest value that a sample may show. NaN texels
+  // Each brick, x fastest, has the least and the greatest value that a sample may show. NaN texels
   // do not count.
   std::vector<std::byte> ranges;
   // 0 if the brick may show something, else bricks to the nearest one that may, 1 for a neighbour;

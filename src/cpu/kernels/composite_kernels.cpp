@@ -46,7 +46,7 @@ struct Sample {
   V k, value;
   V square;  // of the spread; of labels the share
   M active;
-  // For gradients.
+  // Gradients need these.
   V3 at;
   Place place;
 };
