@@ -32,7 +32,7 @@ class RankBlocks : public BlockChooser {
   void dealEachPicture(bool each) { deals_each_ = each; }
   // `changed` is called by choose() whenever the hands are others than before.
   void tellDealings(std::function<void(const Dealing&)> changed) { changed_ = std::move(changed); }
-  // Of the blocks chosen last.
+  // The dealing of the blocks that were chosen last.
   const Dealing& dealing() const { return dealing_; }
   VisibleBlocksPtr choose(const BlockQuestion& question) override;
   LevelCut* cutFor(const BlockQuestion& question) override;

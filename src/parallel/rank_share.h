@@ -36,7 +36,7 @@ class RankShare {
   // device, each calls it before its frames.
   void drawOn(PartDevice& device);
   PartDevice& device() { return *device_; }
-  // For a series: see RankBlocks.
+  // A series deals each picture for itself, see RankBlocks.
   void dealEachPicture(bool each) { blocks_.dealEachPicture(each); }
   // The chooser of this rank's blocks among those that `chooser` selects; null: the classification.
   BlockChooser* chooserFrom(BlockChooser* chooser);
@@ -59,7 +59,7 @@ class RankShare {
     if (!team_.isFirst()) body();
   }
   Team& team() { return team_; }
-  // Of the last picture.
+  // The dealing of the last picture.
   const Dealing& dealing() const { return blocks_.dealing(); }
 
  private:

@@ -52,7 +52,7 @@ class Pattern {
     int found = -1;
     for (int pixel = 0; pixel < kPixels; ++pixel) {
       if (isSet(pixel) != of_set) continue;
-      // Of equals the first one is taken, so that the order is the same everywhere.
+      // The first of equals is taken, so that the order is the same everywhere.
       if (found < 0 ||
           sign * energy_[static_cast<size_t>(pixel)] > sign * energy_[static_cast<size_t>(found)])
         found = pixel;

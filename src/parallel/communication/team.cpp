@@ -86,7 +86,7 @@ std::vector<Message> Team::exchange(std::vector<Message> to, uint64_t most_bytes
   SLUICE_CHECK_EQ(to.size(), count);
   std::vector<uint64_t> sizes{most_bytes};
   for (const Message& message : to) sizes.push_back(message.size());
-  // For each rank: its state, how much it accepts, how much it sends to each.
+  // Each rank gave its state, how much it accepts, and how much it sends to each.
   const std::vector<uint64_t> all = agree(sizes);
   const size_t each = count + 2;
   // Every rank checks the sums of all, so that all throw together and none waits for a message.
