@@ -42,6 +42,7 @@ struct Column {
 
 struct MergedChunk {
   std::vector<Column> columns;  // 1 or 2
+  // Texels: the thickness of its thicker column.
   int64_t thickness() const;
   bool isSingleBlock() const { return columns.size() == 1 && columns[0].blocks.size() == 1; }
 };

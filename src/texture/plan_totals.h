@@ -17,6 +17,7 @@ struct PlanTotals {
   uint64_t bytes = 0;  // of all chunks in whole pages
 };
 
+// The totals of a plan that has been made; the binds are those of a view from this eye.
 PlanTotals totalsOf(const TexturePlan& plan, const EyePosition& eye);
 
 // The totals of a plan that loads every block, in closed form: such a plan of a large volume takes

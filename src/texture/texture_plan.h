@@ -30,6 +30,7 @@ namespace sluice {
 enum class Algorithm { kConventional, kClipped, kTrimmed, kMerged };
 inline constexpr std::array<Algorithm, 4> kAlgorithms = {
     Algorithm::kConventional, Algorithm::kClipped, Algorithm::kTrimmed, Algorithm::kMerged};
+// The name that reports and options have for it.
 std::string_view name(Algorithm algorithm);
 
 // The volume axes that become texture x, y and z: a turn that brings the trimming axis to z.
@@ -97,6 +98,7 @@ struct TexturePlan {
   int numbersOf(const Chunk& chunk) const {
     return pyramid.of(blocks[chunk.blocks.front()].name).numbers;
   }
+  // Pages of the texture cache that all chunks take together.
   int64_t pageCount() const;
   // The bytes that one load of a chunk moves, by cause.
   LoadBytes loadBytes(const Chunk& chunk) const;
