@@ -18,6 +18,7 @@ namespace sluice {
 class VisibleHull {
  public:
   explicit VisibleHull(const VolumeLayout& layout);
+  // Boxes of cells of the volume; empty ones add nothing.
   void add(std::span<const Box3> boxes);
   // Empty while nothing visible was added.
   std::vector<Vec3d> points() const;

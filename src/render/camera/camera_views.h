@@ -22,7 +22,9 @@ inline constexpr double kDegree = std::numbers::pi / 180;  // in radians
 // a viewer of the front.
 enum class ViewName { kPlain, kFront, kBack, kLeft, kRight, kTop, kBottom, kThreeQuarter };
 
+// The word for a view, one of kViewNames.
 std::string_view name(ViewName view);
+// The view that a word names; nullopt for a word that is none of kViewNames.
 std::optional<ViewName> parseViewName(std::string_view word);
 inline constexpr const char* kViewNames = "plain|front|back|left|right|top|bottom|three-quarter";
 
@@ -43,6 +45,7 @@ ViewAxes frontAxes(ViewName view, WorldFrame frame, const std::optional<Vec3d>& 
 struct ViewTurn {
   double azimuth_deg = 0, elevation_deg = 0;
 };
+// The turn of a named view from the front of the frame.
 ViewTurn turnOf(ViewName view, WorldFrame frame);
 
 // The axes after a turn about up and a lift. At 90 degrees of elevation the front is below.

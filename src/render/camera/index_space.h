@@ -8,6 +8,7 @@
 
 namespace sluice {
 
+// The place in the world of an index position: whole numbers are voxels, 0 is the first.
 inline Vec3d worldFromIndex(const VolumeLayout& layout, Vec3d index) {
   Vec3d world = layout.origin;
   for (int a = 0; a < 3; ++a)
@@ -25,10 +26,12 @@ inline Vec3d indexFromWorldDirection(const VolumeLayout& layout, Vec3d world) {
   return along / layout.spacing;
 }
 
+// The reverse of worldFromIndex(). Requires: the axes span the space.
 inline Vec3d indexFromWorld(const VolumeLayout& layout, Vec3d world) {
   return indexFromWorldDirection(layout, world - layout.origin);
 }
 
+// The least distance between neighbouring voxels along an axis, in units of the world.
 inline double finestSpacing(const VolumeLayout& layout) {
   return std::min({layout.spacing.x, layout.spacing.y, layout.spacing.z});
 }

@@ -29,6 +29,7 @@ struct DrawOrder {
 };
 using DrawOrderPtr = std::shared_ptr<const DrawOrder>;
 
+// Visits each cluster of the plan once, and each block once, in the order from the eye. Pure.
 DrawOrder makeDrawOrder(const TexturePlan& plan, const EyePosition& eye, Arrangement arrangement);
 
 }  // namespace sluice

@@ -33,6 +33,7 @@ struct BufferNeeds {
   uint64_t beside_bytes = 0;         // that others hold of the same memory: min-max arrays
   int64_t numbers = 1;               // a voxel of the largest block: 2 with spreads
 };
+// The needs of a volume in these blocks. BufferNeeds::numbers is left to the caller.
 BufferNeeds bufferNeeds(const VolumeSource& source, const BlockLayout& layout, Partition partition,
                         uint64_t beside_bytes);
 

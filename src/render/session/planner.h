@@ -38,6 +38,7 @@ class Planner {
   // the picture is drawn from one (drawsCut()), else by classification.
   void chooseBlocksBy(BlockChooser* chooser) { chooser_ = chooser; }
 
+  // The look of a step. The last one is kept and returned again for the same arguments.
   LookPtr look(const TimeStep& step, const TransferPtr& transfer, Mode mode);
   // Whether visibleBlocks() makes a cut through the levels of resolution itself.
   bool makesCut(const TimeStep& step, const LookPtr& look, const FrameOptions& options) const {
