@@ -37,6 +37,7 @@ struct ValueMap {
   double valueOf(double device) const { return device * scale + offset; }
   double deviceOf(double value) const { return (value - offset) / scale; }
 };
+// The device type of a volume, and the values that its device voxels stand for.
 ValueMap deviceMap(const VolumeLayout& layout);
 // The device voxel of a stored value, exactly as `toDevice` makes it. Requires: `stored` is NaN or
 // one of the type's values.
