@@ -57,6 +57,7 @@ class BoxStore {
   // The same if no voxel needs to be read for it: null if the index has no boxes yet.
   BoxTreePtr treeIfMade(int64_t block);
 
+  // Counts since the store was made. Any thread.
   BoxStoreCounters counters() const;
 
  private:

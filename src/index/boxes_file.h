@@ -24,6 +24,7 @@ namespace sluice {
 // Version of the format: raised when the bytes, or the meaning of a partition, change.
 inline constexpr uint32_t kBoxesVersion = 1;
 
+// The bytes of a tree, which deserializeBoxTree() reads.
 std::vector<std::byte> serialize(const BoxTree& tree);
 // The tree of a block of `cells` cells.
 std::optional<BoxTree> deserializeBoxTree(std::span<const std::byte> bytes, Vec3i cells);
@@ -45,6 +46,7 @@ struct BoxesOrigin {
   GrowingParameters parameters;
   int64_t brick_side = 0;
 };
+// The bytes of a piece, with the origin that it was made from.
 std::vector<std::byte> serialize(const BoxesPiece& piece, const BoxesOrigin& origin);
 // nullopt when the bytes are no piece of that origin which begins at `first` and has `count`
 // blocks.

@@ -47,6 +47,7 @@ IndexKey seriesKey(const VolumeSource& source, const SeriesRecipe& recipe);
 // The opacity part of two transfer functions is the same.
 bool sameOpacity(const TransferFunction& a, const TransferFunction& b);
 
+// The bytes of an index of this recipe, with the transfer function in full.
 std::vector<std::byte> serialize(const KeptSeries& series, const SeriesRecipe& recipe);
 // nullopt when the bytes are none of this recipe. `any_transfer`: of any transfer function.
 std::optional<KeptSeries> deserializeSeries(std::span<const std::byte> bytes,

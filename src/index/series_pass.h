@@ -37,6 +37,7 @@ class StepBlocks {
     const auto b = static_cast<size_t>(block);
     return {lows_[b], highs_[b]};
   }
+  // How many blocks are not empty.
   int64_t nonEmpty() const;
   const std::filesystem::path& indexFile() const { return index_file_; }
 
@@ -64,6 +65,7 @@ struct SeriesPassReport {
   // number of those that stay in their span.
   std::vector<int64_t> blocks, coherent;
 
+  // The share of coherent blocks in `blocks`, over all steps, 0 to 1; 1 if there are none.
   double coherentShare() const;
 };
 
