@@ -43,6 +43,8 @@ class DetailReader {
   std::span<const uint8_t> parts_, detail_;
   size_t part_ = 0, at_ = 0;
 };
+// Whether the bytes are the detail of these parts, as DetailReader supposes. Those of a file may
+// not be.
 bool detailFits(std::span<const uint8_t> parts, std::span<const uint8_t> detail);
 
 // The parts of a block whose cubes' extinctions are known: kDetail cubes a side.

@@ -29,6 +29,8 @@ class TileRays {
     return static_cast<size_t>(pixel);
   }
 
+  // The rays of the tile whose first pixel is (x, y), as RayGrid counts pixels. `first_slice`: see
+  // EstimateView.
   void set(const RayGrid& rays, bool parallel, double first_slice, int x, int y);
 
   // The planes of a box, for the rows that are asked next. Requires: set().
@@ -103,6 +105,7 @@ class SampleBatch {
     pixels_[i] = pixel;
     if (rays_ == TileRays::kSide) finish();
   }
+  // Follows the rays that were added and have no results yet.
   void finish();
 
   struct Lanes {

@@ -43,6 +43,7 @@ struct EstimateView {
   double first_slice = 0, depth_step = 1, slice_length = 1;  // see FrameSetup
   std::array<double, 2> tan_half{};                          // perspective: of its tan_half_x, _y
 };
+// `eye_or_direction`: see EstimateView::eye.
 EstimateView estimateView(const FrameSetup& setup, Vec3d eye_or_direction);
 
 // The form in which a block's opacity is estimated (opacity_function.h).
