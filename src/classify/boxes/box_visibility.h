@@ -16,6 +16,7 @@ class BoxVisibility {
   // `table` must outlive it. The axes of `layout`, of the volume, need not be at right angles.
   BoxVisibility(const OpacityTable& table, const VolumeLayout& layout);
 
+  // Whether a sample in cells of this range may have an opacity above 0.
   bool shows(const CellRange& range) const;
 
  private:

@@ -64,6 +64,7 @@ struct GrowingParameters {
 // The parameters for bytes, scaled from 256 values to the volume's range for other types.
 GrowingParameters growingParameters(DeviceType type, ValueRange device_range);
 
+// The type of a box of so many cells whose values and gradients have this range.
 BoxType typeOf(const CellRange& range, int64_t cells, const GrowingParameters& parameters);
 // The cells of a box of bricks that are drawn in vain, as told above. `range`: the box's.
 double costOf(const BrickGrid& grid, const Box3& bricks, const CellRange& range,
