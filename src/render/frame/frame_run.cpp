@@ -100,6 +100,8 @@ void FrameRun::tellProgress(size_t visits) const {
 
 FrameRun::Deadline FrameRun::deadline() const {
   if (!options_.time_limit_s) return std::nullopt;
+  // Drawing is expected to take as long as in the last frame: only the rest of the limit is for
+  // waiting.
   const std::chrono::duration<double> waiting(*options_.time_limit_s - last_.draw_s);
   return values_.asked_at + std::chrono::duration_cast<std::chrono::nanoseconds>(waiting);
 }
@@ -120,6 +122,7 @@ void FrameRun::drawBlocks(const std::vector<BlockPosition>& order) {
   for (const BlockPosition position : order) {
     const TextureBlock& block = textures().blocks[position];
     if (block.cells.empty()) continue;  // loaded whole, shows nothing (algorithm II)
+    // A device that draws strips skips blocks that none of its rows meets.
     if (rows && !overlap(*rows, rowsOf(values_.setup, reachOf(block)))) continue;
     if (isHidden(position)) {
       occlusion_->leaveOut(block.cells.count());

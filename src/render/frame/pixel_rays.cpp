@@ -15,6 +15,8 @@ namespace sluice {
 namespace {
 
 constexpr size_t kChannels = 4;
+// With one ray a pixel, a bright voxel in 1024^3 zeros was in none of twelve pictures of 128 to 512
+// pixels. Rays that are a third of a voxel apart meet it.
 constexpr double kRaysAVoxel = 3;
 
 // Opacity first, then the sum of the colours.

@@ -23,6 +23,7 @@ bool Planner::integrates(const TimeStep& step, const Look& look, const View& vie
 
 bool Planner::drawsSurfaces(const TimeStep& step, const Look& look, const FrameOptions& options) {
   if (look.table.surfaces().empty() || !traitsOf(options.mode).has_colors) return false;
+  // Normals at surfaces are taken from voxels beside the cells.
   SLUICE_CHECK(step.ranges->layout.ghost > 0);
   return true;
 }
