@@ -67,6 +67,7 @@ Density smooth(std::span<const double> density, size_t radius) {
 // The end of a peak's noise if the peak falls off as a normal distribution does; `mode` otherwise.
 // A slower decay is no noise: fog.
 size_t noiseEnd(const Density& density, size_t mode) {
+  // A normal distribution has half its height at 1.1774 deviations, the root of 2 ln 2.
   constexpr double kDeviationsAtHalf = 1.1774, kNoise = 4;
   // A single exact value is no hump.
   if (mode + 2 >= density.size() ||
