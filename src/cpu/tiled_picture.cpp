@@ -103,6 +103,7 @@ namespace {
 
 // values.resize(count) of cleared memory, piece by piece. Requires: the capacity.
 void resizeInPieces(std::vector<float>& values, size_t count, const StopToken& stop) {
+  // A large picture takes long to clear, and a stop is to be heard meanwhile.
   constexpr size_t kPiece = 8 << 20;
   while (values.size() < count) {
     stop.throwIfStopped();
