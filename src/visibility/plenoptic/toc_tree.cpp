@@ -70,7 +70,7 @@ std::optional<TocTree> TocTree::fromBits(Vec3i grid, int64_t steps, std::vector<
   std::vector<uint64_t> sum(static_cast<size_t>(tree.words_));
   for (size_t level = 1; level < tree.levels_.size(); ++level) {
     const Vec3i size = tree.levels_[level].grid;
-    // The bits come from a file. A node that lacks a bit of its children would hide their changes.
+    // A node that lacks a bit of its children would hide their changes.
     for (int64_t z = 0; z < size.z; ++z)
       for (int64_t y = 0; y < size.y; ++y)
         for (int64_t x = 0; x < size.x; ++x) {
