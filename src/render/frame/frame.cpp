@@ -52,6 +52,8 @@ PixelRays Session::setSampling(const LookPtr& look, const VisibleBlocks& visible
   const VolumeLayout& volume = step_.source->layout();
   options.step_vox = stepForCut(visible, options);
   PixelRays rays;
+  // Thin parts of a cut may be narrower than the rays are apart: several pictures with shifted rays
+  // are drawn, and each pixel keeps one of its rays.
   const std::optional<KeptRay> kept =
       keptRay(*look->look_up, deviceMode(options.mode, step_.ranges->map.scale));
   if (kept && planner_.makesCut(step_, look, options))
@@ -72,6 +74,8 @@ FrameSetup Session::setupOf(const LookPtr& look, const VisibleBlocks& visible, c
       frameSetup(view, volume, *look, step_.ranges->map, options, session_.lit && options.shades);
   setup.has_surfaces = Planner::drawsSurfaces(step_, *look, options);
   setup.integrates = Planner::integrates(step_, *look, view, options);
+  // Decided by the options as asked for: with a time limit, which `options` may have lost, the
+  // light comes from coarser levels.
   if (setup.lit && traitsOf(options.mode).has_colors)
     setup.light = light_.of(
         step_, look,
@@ -122,7 +126,7 @@ Frame Session::frame() {
   const LookPtr look = planner_.look(step_, transfer_, options.mode);
   ReadTally judged;
   const VisibleBlocksPtr visible = blocksOf(look, options, judged);
-  visible_ = visible;
+  visible_ = visible;  // a hint for lastVisible(), so that nothing is held for it
   const PixelRays rays = setSampling(look, *visible, options);
   const View view = resolve(options, step_.source->layout());
   stages.classify = stage.lap();
@@ -130,7 +134,7 @@ Frame Session::frame() {
   stages.plan = stage.lap();
   const DrawOrderPtr order = planner_.order(plan, eyePosition(view, step_.source->layout()),
                                             arrangementOf(*plan, options, residency_.cache()));
-  stage.lap();
+  stage.lap();  // the time for the order counts in no stage
   FrameSetup setup = setupOf(look, *visible, view, options);
   stages.light = stage.lap();
 
@@ -154,6 +158,7 @@ Frame Session::frame() {
   report.stages.plan = stages.plan;
   report.stages.light = stages.light;
   if (judgesSurfaces(look, options)) countLost(*look, *visible, view, judged, report);
+  // The rest of the time was spent on waiting for data: the next limit is judged by it.
   noteDrawn(visible, report.seconds - report.stages.draw - stages.classify - stages.plan,
             report.decoded_bytes, report);
   // Blocks that were read to decide whether they are refined.
