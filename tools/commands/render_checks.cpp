@@ -1,7 +1,5 @@
 #include "tools/commands/render_checks.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 
 #include "src/annotate/annotate.h"

@@ -1,7 +1,5 @@
 #include "tools/commands/render_frames.h"
 
-#include <fmt/format.h>
-
 #include <chrono>
 #include <filesystem>
 #include <utility>

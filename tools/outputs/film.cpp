@@ -2,12 +2,10 @@
 
 #include <sluice/renderer.h>
 
-#include <algorithm>
 #include <array>
 #include <filesystem>
 #include <optional>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 #include "src/base/error.h"

@@ -1,7 +1,6 @@
 #include "src/volume/ranges/slice_ranges.h"
 
 #include <algorithm>
-#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
