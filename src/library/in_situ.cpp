@@ -200,6 +200,7 @@ SharedVolume openShared(const LentPart& part, std::shared_ptr<Ranks::Impl> ranks
   of_array.dims = boxes.there.size();
   const FillRegion fill =
       fillFrom(part.first, of_array, part.strides.value_or(packedStrides(of_array)));
+  // Nobody can tell whether an index that was kept is of these voxels.
   const IndexWish no_index{.disabled = true};
   const IndexPlaces none = indexPlaces(layout.name, no_index);
   const PartValues values = gatherValues(team, valuesOf(fill, boxes, part, none, pass));

@@ -56,6 +56,7 @@ Framing framingOf(const ViewOptions::Framing& given) {
 
 Box3 cropOf(const PictureOptions::Box& given, Vec3i dims) {
   const Box3 box{vec(given.lo), vec(given.hi)};
+  // Two voxel planes bound a cell, so a crop of one plane shows nothing.
   const Box3 cells{box.lo, box.hi - Vec3i{1, 1, 1}};
   if (box.empty() || cells.empty() || !boxOf(dims).contains(box))
     failRequest(
@@ -128,6 +129,7 @@ void setPipeline(const PipelineOptions& pipeline, FrameOptions& options) {
   if (options.occlusion != Occlusion::kOff && !traitsOf(options.mode).has_colors)
     failRequest("pipeline.occlusion {}: only composite pictures have opacity that hides",
                 pipeline.occlusion);
+  // Growing boxes exist for the finest level alone.
   if (options.partition == Partition::kBoxes && options.cut) {
     if (!options.cut->is_default || options.cut->keeps_thin)
       failRequest(

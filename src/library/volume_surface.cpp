@@ -49,6 +49,8 @@ Box3 regionCells(const SurfaceOptions& options, const Level& level, Vec3i finest
   Box3 cells;
   constexpr double kRounding = 1e-6;
   for (int a = 0; a < 3; ++a) {
+    // Only cells with all corners inside, so rounding goes inward; kRounding forgives positions
+    // that scales shifted.
     cells.lo[a] = static_cast<int64_t>(std::ceil(lo[a] - kRounding));
     cells.hi[a] = static_cast<int64_t>(std::floor(hi[a] + kRounding));
   }
@@ -116,6 +118,7 @@ VolumeSurface makeSurface(const IndexedVolume& volume, const SurfaceOptions& opt
   const uint64_t held = volume.rangesBytes() + states.blocks.size() * sizeof(BlockStates::Block);
   const uint64_t left = pass.memory_bytes - std::min(pass.memory_bytes, held);
   // Decoded chunks of compressed files.
+  // A source without decoded chunks leaves all of it to the surface.
   const uint64_t decoded = left / 2;
   volume.source->holdAtMost(decoded);
   const bool is_decoded = volume.source->heldBytesAThread() > 0;
@@ -128,6 +131,8 @@ VolumeSurface makeSurface(const IndexedVolume& volume, const SurfaceOptions& opt
                          .check = {},
                          .memory_bytes = is_decoded ? left - decoded : left,
                          .stop = pass.stop};
+  // Voxels are checked against the min-max arrays that decided which blocks are read, so a file
+  // that changed since is found.
   if (options.level == 0)
     request.check = [&volume, &finest](int64_t block, double lo, double hi) {
       const SliceRanges& ranges = volume.index->ranges;

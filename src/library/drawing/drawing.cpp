@@ -1,7 +1,5 @@
 #include "src/library/drawing/drawing.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <utility>
 
@@ -63,6 +61,7 @@ void Drawing::setLook(const LookOptions& look) {
   const Mode mode = modeOf(checked(look));
   const bool did_blend = scene_.blends();
   scene_.setLook(lookArguments(look, opened_->whole_series), mode);
+  // Blended channels need pages for equal numbers of blocks, so the memory is shared out anew.
   if (scene_.blends() != did_blend) scene_.openSession(session_frame_, noMoreBytes);
   asked_look_ = look;
   mode_ = mode;
@@ -71,6 +70,8 @@ void Drawing::setLook(const LookOptions& look) {
 
 std::vector<TimeStep> Drawing::stepsAt(int64_t time, const IndexPass& pass) {
   requireStep(time, layout());
+  // The step that is drawn and the one after it differ in parity, so reading ahead does not push
+  // out the step that is shown.
   return *steps_[static_cast<size_t>(time % 2)].of(time, [&] {
     std::vector<TimeStep> steps;
     for (const Layer* layer : scene_.layers())
@@ -82,6 +83,7 @@ std::vector<TimeStep> Drawing::stepsAt(int64_t time, const IndexPass& pass) {
 Drawing::Points Drawing::shownPoints(const FrameOptions& options, const TimeStep& step,
                                      const IndexPass& pass) {
   const bool this_step = !opened_->whole_series;
+  // The visible part of a whole series is the same for all of its steps, so they share one entry.
   const PointsKey key{this_step ? step.time : 0, options.crop, looks_};
   return points_.of(key, [&] {
     const std::vector<TimeStep> steps = stepsAt(step.time, pass);
@@ -95,6 +97,8 @@ Drawing::Points Drawing::shownPoints(const FrameOptions& options, const TimeStep
     FrameOptions own = options;
     own.crop =
         intersect(options.crop.value_or(boxOf(layout().dims)), opened_->in_situ->ownVoxels());
+    // Every rank takes part in the exchange, even if the crop leaves it nothing: the others wait
+    // for it.
     return pointsOfRanks(cropCells(own, layout().dims).empty()
                              ? std::vector<Vec3d>()
                              : visiblePoints({std::move(volumes), own, this_step}, pass));
@@ -131,6 +135,7 @@ FrameOptions Drawing::framed(const PictureOptions& picture, const TimeStep& step
 FrameOptions Drawing::looked(const PictureOptions& picture, const TimeStep& step,
                              const IndexPass& pass) {
   FrameOptions options = framed(picture, step, pass);
+  // A cut may hold no more than the memory has room for.
   if (options.cut) options.cut->most_held_bytes = cutBytes(scene_.memory_bytes, PictureRow::kMore);
   if (!picture.step_vox) {
     options.step_vox = scene_.chosenStep(step, options);
@@ -145,6 +150,8 @@ FrameOptions Drawing::looked(const PictureOptions& picture, const TimeStep& step
 Drawing::ReadyFrame Drawing::ready(const PictureOptions& picture, const IndexPass& pass,
                                    ProgressTeller& teller) {
   const std::vector<TimeStep> steps = stepsAt(picture.time, pass);
+  // Before the options are made: that may gather points over the ranks, and a rank with another
+  // request would leave the others waiting.
   if (opened_->in_situ != nullptr) expectSameRequest(picture);
   FrameOptions options = looked(picture, steps.front(), pass);
   if (opened_->in_situ != nullptr) expectSamePicture(picture, options, resolve(options, layout()));
@@ -175,6 +182,7 @@ SceneFrame Drawing::drawFrame(const ReadyFrame& frame, const std::vector<Picture
   uint64_t done = 0;
   const ProgressWatch watch = teller.watch(Progress::Stage::kDrawing);
   watched.watch = [&](uint64_t of_strip, uint64_t total) {
+    // Strips count as equal parts, so the whole advances without steps back.
     watch(done * total + of_strip, strips.size() * total);
   };
   scene_.setOptions(watched);
@@ -255,6 +263,8 @@ std::optional<ScreenImage> Drawing::drawOnScreen(const PictureOptions& picture,
                                                  const std::array<float, 3>& background,
                                                  ProgressTeller& teller) {
   refuseInSitu("drawOnScreen()");
+  // The device keeps a picture only in composite mode, without depth and of one channel
+  // (screen_picture.h).
   if (screen_ == nullptr || !traitsOf(mode_).has_colors || picture.with_depth ||
       !scene_.more.empty())
     return std::nullopt;
@@ -265,6 +275,8 @@ std::optional<ScreenImage> Drawing::drawOnScreen(const PictureOptions& picture,
     return ScreenImage{kept->texture, kept->width,         kept->height,      kept->drawn,
                        kept->seen,    sizes.missing_share, sizes.will_improve};
   } catch (...) {
+    // The wish holds until it is met: without this, the next draw() would get a picture without
+    // pixels.
     screen_->keepNext(std::nullopt);
     screen_->takeKept();
     throw;
@@ -277,6 +289,7 @@ void Drawing::fit(std::span<PictureOptions> pictures, ProgressTeller& teller) {
   const Reading reading(*this, teller);
   std::vector<Camera> cameras;
   for (PictureOptions picture : pictures) {
+    // A framing from an earlier fit would otherwise decide the new one.
     picture.view.framing.reset();
     cameras.push_back(asked(picture).camera);
   }
@@ -303,6 +316,7 @@ ViewOptions Drawing::placed(const PictureOptions& picture, ProgressTeller& telle
   Vec3d about = worldFromIndex(layout(), toDouble(layout().dims - Vec3i{1, 1, 1}) * 0.5);
   if (camera.framing) about = camera.framing->target;
   if (camera.look_at) about = camera.look_at->target;
+  // The target may lie behind the eye, or in it.
   const double depth = std::max(dot(about - view.eye, view.forward), finestSpacing(layout()));
   ViewOptions placed = picture.view;
   placed.look_at = ViewOptions::LookAt{asArray(view.eye), asArray(view.eye + view.forward * depth)};

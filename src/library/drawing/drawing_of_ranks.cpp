@@ -19,6 +19,7 @@ void Drawing::refuseInSitu(const char* call) const {
 std::vector<Vec3d> Drawing::pointsOfRanks(const std::vector<Vec3d>& own) const {
   ByteWriter mine;
   mine.list(own);
+  // In the order of the ranks, so each has the same list and frames the same picture.
   std::vector<Vec3d> all, more;
   for (const Message& message : opened_->in_situ->team().gatherAll(mine.bytes)) {
     ByteReader from(message);
@@ -54,6 +55,7 @@ void Drawing::expectSamePicture(const PictureOptions& picture, const FrameOption
                   {{"the look", scene_.lookOf(options, picture)}, {"the view", "", place.value()}},
                   "draw the same picture on every rank");
   const TransferFunction& transfer = scene_.look.transfer;
+  // Gradients at the edge of a box read voxels beyond it.
   const bool looks_around = options.shades || scene_.integrates(options) ||
                             !transfer.gradients.empty() || !transfer.surfaces.empty();
   if (looks_around && !in_situ.can_look_around)

@@ -120,6 +120,7 @@ std::vector<uint8_t> Drawing::blockClasses() const {
   const PyramidLayout pyramid = opened_->volume.step().layout();
   for (const ObjectBlock& block : visible->blocks) {
     const uint8_t kind = block.kind == BlockClass::kBlack ? 2 : 1;
+    // A coarse block stands for all finest blocks below it.
     const Box3 covered = pyramid.finestBlocksOf(block.name);
     for (int64_t z = covered.lo.z; z < covered.hi.z; ++z)
       for (int64_t y = covered.lo.y; y < covered.hi.y; ++y)

@@ -27,6 +27,8 @@ bool isBesidePicture(const std::vector<Vec3d>& points, const View& view) {
   bool left = true, right = true, above = true, below = true, behind = perspective;
   for (const Vec3d& point : points) {
     const Vec3d p = point - view.eye;
+    // The picture's edges open with the depth in perspective, and are parallel in an orthographic
+    // view.
     const double depth = perspective ? dot(p, view.forward) : 1;
     const double x = dot(p, view.right), y = dot(p, view.up);
     const double half_height = view.half_height * depth;
@@ -64,11 +66,14 @@ std::string whyEmpty(const DrawnPicture& drawn, const IndexPass& pass) {
   const VolumeLayout& layout = drawn.volume.source->layout();
   const Vec3i dims = layout.dims;
   const Box3 all = boxOf(dims - Vec3i{1, 1, 1}), crop = cropCells(options, dims);
+  // The order is from the causes that take no reading to those that need the step's values, and
+  // from the general to the particular: the first one that applies is what the user has to change.
   if (drawn.missing_share > 0) return "nothing of it was read within the time limit";
   if (crop.empty())
     return fmt::format("the crop box lies outside of the volume's {} x {} x {} voxels", dims.x,
                        dims.y, dims.z);
   if (hasNoOpacity(drawn.transfer)) return "the transfer function has opacity 0 everywhere";
+  // From here on the values of the step are needed, which may be read from its index.
   const StepValues values = valuesOfStep(drawn.volume, drawn.time, pass);
   if (!values.index->ranges.mayHoldNumbers()) return "no voxel is a finite number";
   const auto cellsIn = [&](const Box3& box) {

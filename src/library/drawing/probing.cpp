@@ -263,12 +263,14 @@ std::optional<VoxelProbe> probeAlong(const ProbeRequest& request, Session& sessi
   std::optional<VoxelProbe> found;
   Vec3d met{0, 0, 0};          // where that is
   std::optional<double> last;  // the value before, on the way through cells that may show something
+  // Bounds the loop for a ray that a tiny voxel size makes endless.
   const auto count = static_cast<int64_t>(std::min((ray.end - ray.begin) / along, 1e8));
   for (int64_t i = 0; i <= count; ++i) {
     stop.throwIfStopped();
     const Vec3d index =
         ray.origin + ray.direction * (ray.begin + (static_cast<double>(i) + 0.5) * along);
     const Totals around = values.rangeAround(values.cellOf(index));
+    // Interpolated values stay within the range of the cell's block, so nothing of it can show.
     if (composite && !anyOpacity(request.transfer, around.lo, around.hi)) {
       last.reset();
       continue;
@@ -278,10 +280,14 @@ std::optional<VoxelProbe> probeAlong(const ProbeRequest& request, Session& sessi
       last.reset();
       continue;
     }
+    // A surface is met between two samples, so the one before a stretch that was skipped is read
+    // after all.
     if (!last && !request.transfer.surfaces.empty())
       last = values.at(max(index - ray.direction * along, Vec3d{0, 0, 0}));
     double weight = least ? -value : value;
     if (attenuated) {
+      // The same weight as the device's attenuated mode: a value counts by its place in the range,
+      // less by what lies in front.
       const double place = span > 0 ? std::clamp((value - first) / span, 0.0, 1.0) : 0;
       const bool shows = opacityAt(request.transfer, value) > 0;
       weight = shows ? place * std::exp(-request.transfer.attenuation * in_front) : -1;
@@ -289,6 +295,7 @@ std::optional<VoxelProbe> probeAlong(const ProbeRequest& request, Session& sessi
     }
     if (composite) {
       double clear = std::pow(1 - opacityAt(request.transfer, value), lengths);
+      // The surface lies between the two samples if they are on either side of its value.
       for (const IsoSurface& surface : request.transfer.surfaces)
         if (last && !std::isnan(*last) && (*last >= surface.value) != (value >= surface.value))
           clear *= 1 - surface.opacity;
@@ -308,6 +315,8 @@ std::optional<VoxelProbe> probeAlong(const ProbeRequest& request, Session& sessi
   if (composite && 1 - through < kVisible) return std::nullopt;
   if (found) {
     const double stored = values.storedAt(met);
+    // Pictures are drawn with a finite stand-in for infinities; people are told the value of the
+    // file.
     if (std::isinf(stored)) found->value = stored;
   }
   return found;
@@ -325,6 +334,7 @@ SliceValues sliceOf(const SliceOptions& slice, Session& session, const TimeStep&
   const int across = slice.axis == 0 ? 1 : 0, down = slice.axis == 2 ? 1 : 2;
   const int64_t longest = std::max(layout.dims[across], layout.dims[down]);
   SliceValues result;
+  // Every so many voxels, so that the longer side has at most `most` values.
   result.every = (longest + slice.most - 1) / slice.most;
   result.width = static_cast<int>((layout.dims[across] + result.every - 1) / result.every);
   result.height = static_cast<int>((layout.dims[down] + result.every - 1) / result.every);
@@ -335,6 +345,7 @@ SliceValues sliceOf(const SliceOptions& slice, Session& session, const TimeStep&
   const std::vector<SlicedLevel::Run> columns = level.runs(across, result.every, result.width);
   Vec3i voxel;
   voxel[slice.axis] = level.voxelAt(slice.axis, slice.at);
+  // Block by block, so that each is asked for once, whatever its number of values.
   for (const SlicedLevel::Run& rows : level.runs(down, result.every, result.height))
     for (const SlicedLevel::Run& run : columns) {
       stop.throwIfStopped();
@@ -343,6 +354,7 @@ SliceValues sliceOf(const SliceOptions& slice, Session& session, const TimeStep&
       index[down] = rows.block;
       index[slice.axis] = level.blockOf(slice.axis, voxel[slice.axis]);
       const int64_t block = level.layout.idOf(index);
+      // The background is there already.
       if (!level.mayDiffer(block)) continue;
       const BlockName key{.time = slice.time, .level = level.number, .block = block};
       const VolumeBlockPtr voxels = session.readBlocks(std::span(&key, 1)).front();

@@ -20,6 +20,8 @@ std::unique_ptr<VolumeSource> checkedSource(std::unique_ptr<VolumeSource> opened
   auto source = withThickness(std::move(opened));
   const int64_t steps = source->layout().time_steps;
   if (arguments.time >= 0 && arguments.time < steps) return source;
+  // Users give the number in a file's name where the place in the series is meant, so the message
+  // names the step of that number.
   const std::optional<int64_t> step = stepOfNumber(*source, arguments.time);
   const auto numbers = numbersOfSteps(*source);
   // Numbers that begin above 0 were meant by who asks for one beyond them.

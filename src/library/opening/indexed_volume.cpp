@@ -27,6 +27,7 @@ namespace {
 // floats cannot tell apart as far as colours need it; else 0.
 double lostBelow(const VolumeLayout& layout, const SliceRanges& ranges) {
   const bool is_whole = layout.type == VoxelType::kU32 || layout.type == VoxelType::kI32;
+  // Integers of up to 16 bits and floats are kept as they are.
   if (!is_whole && layout.type != VoxelType::kF64) return 0;
   const ValueRange range = ranges.device_range;
   const auto most = static_cast<float>(std::max(std::abs(range.lo), std::abs(range.hi)));
@@ -90,6 +91,8 @@ void takeSample(IndexedVolume& volume, double seconds, const IndexPass& pass) {
 constexpr int kGhostOfLevels = 2;
 
 bool hasRoom(int64_t block, int ghost) {
+  // A block of n voxels a side has n - 1 cells a side, of which the ghost layers take some on
+  // either side.
   return block - 1 - 2 * ghost >= 1;
 }
 
@@ -208,6 +211,7 @@ IndexedVolume indexVolume(std::unique_ptr<VolumeSource> source, const VolumeArgu
       else
         made = passForLevels(volume, pass, side);
     } catch (const Error&) {
+      // A pass that failed halfway leaves no levels that look whole.
       side.discard();
       throw;
     }

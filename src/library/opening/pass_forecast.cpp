@@ -39,6 +39,7 @@ std::optional<PassForecast> passForecast(VolumeSource& source, const VolumeArgum
   if (pyramid.levels() == 1)
     pyramid = PyramidLayout(blockLayout(layout.dims, side, needs.gradients ? 1 : 0));
   const IndexPlaces places = indexPlaces(withoutSecrets(arguments.inputs.front()), wish);
+  // There is an index, so no pass is made.
   if (keptRanges(source, places, arguments.time, pyramid.finest())) return std::nullopt;
   PassForecast forecast;
   const bool stands_in =

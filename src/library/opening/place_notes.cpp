@@ -56,6 +56,8 @@ std::unique_ptr<VolumeSource> withPlaceOf(const VolumeLayout& first,
   const VolumeLayout& own = over->layout();
   const bool is_microscopy =
       own.frame == WorldFrame::kPictureRows && first.frame == WorldFrame::kPictureRows;
+  // One of two pictures without a place in space: the unplaced one is taken to begin where the
+  // other one does.
   if (!is_microscopy || isUnplaced(own) == isUnplaced(first)) return over;
   const Vec3d origin = first.origin / worldScale(own, first);
   if (own.origin == origin) return over;

@@ -24,6 +24,7 @@ SeriesRecipe recipeOf(const IndexedVolume& volume, const TransferFunction& trans
 // Names the functions that were made last, whatever their look.
 IndexKey lastKey(const IndexedVolume& volume, const SeriesRecipe& recipe) {
   IndexKey key = seriesKey(*volume.source, recipe);
+  // The key ends in a digest of the look, which "-last" replaces.
   key.what.resize(key.what.rfind('-'));
   key.what += "-last";
   return key;
@@ -55,6 +56,7 @@ std::optional<SeriesFunctions> keptFunctions(const IndexedVolume& volume,
   const IndexRead last = readIndex(volume.places, lastKey(volume, recipe));
   if (!last.blob) return std::nullopt;
   IndexKey key = seriesKey(*volume.source, recipe);
+  // The last key is the content of this file.
   key.what.assign(reinterpret_cast<const char*>(last.blob->data()), last.blob->size());
   IndexRead other = readIndex(volume.places, key);
   if (!other.blob) return std::nullopt;
@@ -62,6 +64,7 @@ std::optional<SeriesFunctions> keptFunctions(const IndexedVolume& volume,
   if (!kept) return std::nullopt;
   found.exponent = greatestExponent(tableOf(recipe.transfer, volume, kept->device_range),
                                     tableOf(kept->transfer, volume, kept->device_range));
+  // Functions that would hide next to nothing count as none.
   if (found.exponent < kLeastExponent) return std::nullopt;
   found.bytes = other.blob->size();
   found.path = std::move(other.path);
@@ -82,6 +85,7 @@ void keep(const IndexedVolume& volume, const SeriesRecipe& recipe, SeriesFunctio
   made.state = made.path.empty() ? "built, not kept" : "built";
   if (!written.note.empty()) made.note = written.note;
   if (made.path.empty()) return;
+  // Written after the functions themselves, so that it never names functions that are not there.
   writeIndex(volume.places, lastKey(volume, recipe),
              std::as_bytes(std::span(key.what.data(), key.what.size())));
 }
@@ -172,6 +176,7 @@ std::vector<double> familyExponents(const OpacityTable& a, std::span<const Opaci
   for (const OpacityTable& b : basis) {
     double least = 1e9;
     if (a.entries() == b.entries() && a.deviceRange() == b.deviceRange() &&
+        // Only tables over the same entries can be compared entry by entry.
         a.labels() == b.labels()) {
       const std::vector<float> of_b = ExtinctionTable(b).entries();
       for (size_t i = 0; i < left.size(); ++i)

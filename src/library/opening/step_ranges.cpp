@@ -107,12 +107,14 @@ TimeStep stepOfSeries(const IndexedVolume& volume, int64_t time, const IndexPass
   if (time == volume.time || volume.source->layout().time_steps == 1) return step;
   step.time = time;
   auto ranges = std::make_shared<SliceRanges>(rangesOfStep(volume, time, pass).ranges);
+  // One range for the series: the look must not change from step to step.
   ranges->device_range = volume.index->ranges.device_range;
   step.ranges = std::move(ranges);
   for (size_t i = 0; i < step.coarser.size(); ++i) {
     auto& ranges = step.coarser[i].ranges;
     if (ranges == nullptr) continue;
     const int level = static_cast<int>(i) + 1;
+    // A level finer than the stand-in is not read for its index, which is used if it was kept.
     const auto index = level < volume.stand_in_level ? keptIndexOfLevel(volume, level, time)
                                                      : indexOfLevel(volume, level, time, pass);
     ranges = nullptr;
@@ -136,6 +138,7 @@ void passOverCoarsest(const IndexedVolume& volume, VolumeSource& coarsest, const
   const BlockLayout blocks =
       blockLayout(coarsest.layout().dims, volume.layout.size, volume.layout.ghost);
   volume.source->holdAtMost(pass.memory_bytes / 4);
+  // The ranges are not needed here: the pass is for the levels that are made in it.
   indexedRanges(coarsest, volume.places, volume.time, blocks, pass.pool, pass.progress,
                 pass.memory_bytes - side.heldBytes(), pass.stop, side.taker());
 }
@@ -150,6 +153,7 @@ void indexLevels(IndexedVolume& volume, int least, const IndexPass& pass) {
 }
 
 IndexedRanges indexStep(IndexedVolume& volume, const IndexNeeds& needs, const IndexPass& pass) {
+  // A computed level has to read the finest one anyway.
   if (!needs.may_stand_in || volume.coarser.empty() || levelAt(volume, 1).is_computed) {
     IndexedRanges index = rangesOfStep(volume, volume.time, pass);
     indexLevels(volume, 1, pass);

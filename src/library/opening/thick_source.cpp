@@ -17,6 +17,7 @@ VolumeLayout thickLayout(VolumeLayout layout) {
   std::string axes;
   for (int a = 0; a < 3; ++a) {
     if (layout.dims[a] > 1) continue;
+    // Half a voxel to either side, so that the plane keeps its place.
     layout.origin = layout.origin - layout.axes[static_cast<size_t>(a)] * (0.5 * layout.spacing[a]);
     axes += fmt::format("{}{}", axes.empty() ? "" : ", ", "xyz"[a]);
   }
@@ -60,6 +61,7 @@ class ThickSource : public VolumeSource, public ChanneledSource {
     if (!found) return found;
     for (Box3& box : found->boxes)
       for (int a = 0; a < 3; ++a)
+        // The occupied plane is both planes.
         if (thin_->layout().dims[a] == 1 && !box.empty()) box.hi[a] = 2;
     return found;
   }

@@ -43,6 +43,8 @@ AlgorithmCost costOf(const IndexedVolume& volume, const PlannedBlocks& planned, 
   Stopwatch watch;
   const VolumeLayout& layout = volume.source->layout();
   const StripTally strips(viewSetup(planned.view, layout, {}), planned.strips);
+  // A plan of every block of a large volume takes more memory than the picture, so its totals are
+  // taken in closed form.
   if (loadsEveryBlock(*planned.blocks, algorithm)) {
     const PlanOptions options = planOptions(planned, frame, algorithm);
     static_cast<PlanTotals&>(cost) =
@@ -92,6 +94,7 @@ void addReads(const ForecastInputs& inputs, uint64_t held_chunk_bytes, Forecast&
   const TimeStep step = inputs.volume.step();
   const PyramidLayout layout = step.layout();
   const VoxelType type = source.layout().type;
+  // Only a store of chunks can tell ahead which stored bytes a box takes.
   const bool is_store = dynamic_cast<StoredSource*>(&source) != nullptr;
   std::vector<LevelBox> boxes;
   const auto add = [&](const TextureBlock& block) {
@@ -106,6 +109,8 @@ void addReads(const ForecastInputs& inputs, uint64_t held_chunk_bytes, Forecast&
     }
     const CoarserStep& level = step.coarser[static_cast<size_t>(name.level) - 1];
     boxes.push_back({level.source, voxels});
+    // A coarse voxel stands for a distribution: its spread lies in an array of its own, which is
+    // read as well.
     if (level.spreads != nullptr) boxes.push_back({level.spreads, voxels});
   };
   visitTextureBlocks(layout, *planned.blocks,
@@ -143,6 +148,7 @@ std::optional<StoredReads> storedReadsOfLevel(VolumeSource& source, int64_t time
     add(coarser.source, coarser.source->layout().dims);
     if (coarser.spreads != nullptr) add(coarser.spreads, coarser.spreads->layout().dims);
   }
+  // A pass reads each chunk once, so the memory for decoded chunks does not matter.
   return storedReads(source, time, boxes, UINT64_MAX);
 }
 
@@ -185,6 +191,8 @@ std::vector<PlannedBlocks> plannedTogether(std::span<const PlannedPart> parts, W
   }
   planned.front().seconds = watch.lap();
   const PlannedPart& first = parts.front();
+  // Blended channels are drawn block by block together, so that one plan of the union of their
+  // blocks orders the clusters of all.
   const auto clusters = std::make_shared<const TexturePlan>(
       unionPlan(blocks, planOptions(planned.front(), first.frame, Algorithm::kTrimmed)));
   for (PlannedBlocks& each : planned) each.clusters = clusters;
@@ -207,6 +215,8 @@ void requireRoomToPlan(const IndexedVolume& volume, const PageGeometry& page, ui
   if (others_bytes <= memoryBudget(machine)) return;
   const BesideShare share =
       besideShare(volume, machine, frame.partition, pictureDemand(machine, frame), others_bytes);
+  // Throws with the memory that is needed: the plan alone exceeds the budget, so no sharing can
+  // fit.
   shareMemory(memoryBudget(machine), page, texels,
               sessionNeeds(volume, frame.partition, share.beside_bytes), 1);
 }
@@ -233,6 +243,8 @@ Forecast forecastOf(const ForecastInputs& inputs) {
   const uint64_t wanted =
       share.beside_bytes + forecast.voxel_bytes + cost.bytes + std::min(cost.bytes, copies);
   forecast.buffer_bytes =
+      // The session keeps its buffers within the budget, and never below the least that one cluster
+      // takes.
       std::min(forecast.budget_bytes,
                std::max(wanted, forecast.least_bytes - std::min(forecast.least_bytes, textures)));
   forecast.picture_bytes = share.picture_bytes;

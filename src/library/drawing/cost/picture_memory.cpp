@@ -11,6 +11,7 @@ constexpr uint64_t kPictureShare = 4;
 uint64_t writingBytes(PictureSize size) {
   const auto width = static_cast<uint64_t>(size.width);
   const uint64_t pixels =
+      // Pictures are converted a few rows at a time, but at least one row, whatever its width.
       std::min(width * static_cast<uint64_t>(size.height), std::max(kWrittenPixels, width));
   return pixels * kWrittenPixelBytes;
 }
@@ -36,6 +37,7 @@ uint64_t wholePictureBytes(const PictureDemand& picture) {
 uint64_t leastPictureBytes(const PictureDemand& picture) {
   const uint64_t whole = wholePictureBytes(picture);
   if (!picture.in_strips) return whole;
+  // A device draws strips of whole steps of rows, so one such step is the least.
   return std::min(whole, rowBytes(picture) * kRowStep + writingBytes(picture.size));
 }
 
@@ -50,12 +52,15 @@ uint64_t memoryOfWholePicture(const PictureDemand& picture) {
 
 std::vector<PictureRows> stripsOf(const PictureDemand& picture, uint64_t bytes) {
   const PictureSize size = picture.size;
+  // The copy that is being written takes its part first.
   const uint64_t drawing = bytes - std::min(bytes, writingBytes(size));
   const uint64_t fitting = drawing / rowBytes(picture);
   if (!picture.in_strips || fitting >= static_cast<uint64_t>(size.height))
     return {{0, size.height}};
   const int rows = std::max(1, static_cast<int>(fitting / kRowStep)) * kRowStep;
   std::vector<PictureRows> strips;
+  // Files are written from the top row down, and row 0 is the lowest, so the highest strip comes
+  // first. It alone may be shorter.
   for (int lo = (size.height - 1) / rows * rows; lo >= 0; lo -= rows)
     strips.push_back({lo, std::min(lo + rows, size.height)});
   return strips;

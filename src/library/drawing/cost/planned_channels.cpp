@@ -59,8 +59,10 @@ void add(PlannedSum& sum, const PlannedSum& more) {
 std::vector<PlannedChannel> plannedChannels(const std::vector<ChannelShare>& shares,
                                             Combine combine, BlockChooser* chooser,
                                             TexelPlace texels, WorkerPool& pool) {
+  // Before planning: a plan that does not fit would take the memory that it says is missing.
   requireRoomToPlan(shares, texels);
   std::vector<PlannedBlocks> shown;
+  // Blended channels must agree on their blocks; added ones are chosen one by one.
   if (blends(combine, shares.size())) {
     std::vector<PlannedPart> parts;
     parts.reserve(shares.size());

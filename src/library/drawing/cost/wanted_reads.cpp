@@ -33,6 +33,7 @@ int64_t StripTally::loads(std::span<const Box3> blocks) const {
   for (const Box3& cells : blocks)
     if (const PictureRows rows = rowsOf(setup_, cells); rows.lo < rows.hi)
       intervals.emplace_back(rows.lo / rows_, (rows.hi - 1) / rows_);
+  // The union of the intervals: a strip that several blocks of a chunk reach loads the chunk once.
   std::ranges::sort(intervals);
   int64_t count = 0;
   int next = 0;
@@ -53,6 +54,7 @@ WantedReads wantedReads(const TexturePlan& textures, VoxelType type, const Strip
       cells.reserve(blocks.size());
       for (const BlockPosition block : blocks)
         cells.push_back(drawnIn(textures.pyramid, textures.blocks[block], strips.shown()));
+      // A chunk is loaded or evicted as a whole, so its blocks are read as often as it is.
       const int64_t times = strips.loads(cells);
       for (const BlockPosition block : blocks)
         wanted.add(times, decodedBytes(textures.pyramid, type, textures.blocks[block].name));

@@ -12,6 +12,7 @@ std::vector<std::string> channelTraces(const std::string& path,
   const std::filesystem::path asked(path);
   refuseCompressed(asked);
   std::error_code none;
+  // A device such as /dev/null takes all traces under its own name.
   if (channels.size() == 1 || std::filesystem::is_character_file(asked, none))
     return std::vector<std::string>(channels.size(), path);
   std::vector<std::string> paths;

@@ -22,6 +22,7 @@ std::string cameraText(const FrameOptions& options, const View& view, const Volu
     c.up = view.up;
     c.framing.reset();
     c.zoom = 1;
+    // The zoom that gives the framed height from the eye at zoom 1.
     c.zoom = resolve(c, layout, options.size, options.step_vox).half_height / view.half_height;
   }
   std::string text =

@@ -38,6 +38,8 @@ std::optional<PictureKind> pictureKind(const std::filesystem::path& path) {
 void eachFewRows(const Picture& strip, const StopToken& stop,
                  const std::function<void(const Picture& rows, int above)>& take) {
   const auto width = static_cast<uint64_t>(strip.width);
+  // A converted copy of a few rows at a time, so that writing takes a fixed amount of memory
+  // (kWrittenPixels).
   const int at_once = static_cast<int>(std::max<uint64_t>(1, kWrittenPixels / width));
   for (int first = 0; first < strip.height; first += at_once) {
     stop.throwIfStopped();
@@ -65,6 +67,8 @@ void StripFile::addRows(const Picture& rows) {
   } else if (exr_ != nullptr) {
     exr_->add(exrRows(rows, look_.background, look_.with_opacity));
   } else {
+    // The attributes and channels of an EXR file are written before its rows, so the first rows
+    // bring them.
     const ExrContents first = exrContents(rows, look_.background, look_.with_opacity, of_);
     exr_ = std::make_unique<ExrFile>(path_, first, of_.options.size.height, ExrPrecision::kFloat,
                                      stop_);
@@ -78,6 +82,7 @@ void StripFile::add(const Picture& strip) {
 }
 
 void StripFile::commit() {
+  // A file that lacks rows must not take the place of a whole one.
   SLUICE_CHECK_EQ(rows_done_, of_.options.size.height);
   if (png_ != nullptr) png_->commit();
   if (exr_ != nullptr) exr_->commit();

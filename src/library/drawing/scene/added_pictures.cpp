@@ -33,6 +33,7 @@ void addPicture(Picture& sum, const Picture& more, WorkerPool& pool) {
   SLUICE_CHECK_EQ(sum.rgba.size(), more.rgba.size());
   SLUICE_CHECK_EQ(sum.depth.size(), more.depth.size());
   eachPixels(sum, pool, [&](size_t begin, size_t end) {
+    // Before the colours: the weights are the opacities before the sum.
     if (!sum.depth.empty())
       for (size_t i = begin; i < end; ++i)
         sum.depth[i] = meanDepth(sum.rgba[kNumbers * i + 3], sum.depth[i],

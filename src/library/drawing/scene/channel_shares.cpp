@@ -49,8 +49,11 @@ FrameOptions frameOfChannel(const LayerLook& channel, const std::vector<LayerLoo
                               : frame;
   if (own.cut) own.cut = shareOf(*own.cut, channels.size());
   if (!blends(combine, channels.size())) return own;
+  // Blended channels are sampled at the same places, so they show coarse levels only if all of them
+  // can.
   if (!haveOneCut(frame, channels)) own.cut.reset();
   if (own.cut) own.cut->level = frame.cut->level;
+  // The integral between two samples is one channel's, and a blended sample has several.
   own.integrates = false;
   return own;
 }
@@ -60,6 +63,7 @@ void requireBlendable(const LookArguments& look, const FrameOptions& options,
   if (look.combine == Combine::kAdd || volumes.size() < 2) return;
   const IndexedVolume& first = *volumes.front();
   for (const IndexedVolume* volume : volumes) {
+    // A blended sample reads all channels at one place of one block.
     if (!isSameGrid(volume->source->layout(), first.source->layout()))
       failRequest(
           "--combine blend: {} is on another grid of voxels than {}; leave out --combine, which "
@@ -110,6 +114,7 @@ bool haveOneCut(const FrameOptions& options, const std::vector<LayerLook>& layer
 void evenOutPages(const std::vector<std::pair<const IndexedVolume*, PageGeometry*>>& pages) {
   int64_t blocks = std::numeric_limits<int64_t>::max();
   for (const auto& [volume, page] : pages)
+    // A chunk that only some channels have room for could not be drawn.
     blocks = std::min(blocks, page->pages / pagesOfBlock(*volume, *page));
   for (const auto& [volume, page] : pages)
     page->pages = std::max<int64_t>(1, blocks) * pagesOfBlock(*volume, *page);
@@ -130,6 +135,7 @@ uint64_t othersBytes(const IndexedVolume& volume, const TransferFunction& transf
 }
 
 void failOfShare(const Error& error, size_t channels, std::optional<uint64_t> least_bytes) {
+  // Told of all channels together, since the user gives the memory of all.
   if (const auto* const shortage = dynamic_cast<const MemoryShortage*>(&error))
     throw MemoryShortage(shortage->ofOne(), channels, least_bytes);
   if (channels == 1 || error.kind() != Error::Kind::kMemory) throw Error(error);

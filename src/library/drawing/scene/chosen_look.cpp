@@ -69,6 +69,7 @@ class Chooser {
         range_(ascending(map_range_)) {}
 
   ChosenLook choose() {
+    // Explicit wishes decide before the defaults of the mode.
     chosen_.mode = mode_;
     chosen_.lit = look_.first_picture;
     if (drawsSurfacesAlone()) {
@@ -88,6 +89,8 @@ class Chooser {
     } else {
       automatic();
     }
+    // light() comes last, since it overrides the light that surfaces ask for and takes the leading
+    // blank off all options.
     fadeSolidColor();
     addSurfaces();
     modulate();
@@ -260,6 +263,7 @@ class Chooser {
     for (const SurfaceLook& look : look_.surfaces) {
       chosen_.transfer.surfaces.push_back({look.value, look.opacity, colorOf(look)});
       text += (text.empty() ? "" : ",") + surfaceLookText(look);
+      // A range of one value may also mean that nothing is known.
       const bool is_known = values_.range.lo < values_.range.hi;
       if (is_known && !(look.value >= values_.range.lo && look.value <= values_.range.hi))
         chosen_.warnings.push_back(
@@ -358,12 +362,14 @@ double stepFor(const View& view, const VolumeLayout& layout) {
     const Vec3d center = worldFromIndex(layout, toDouble(layout.dims - Vec3i{1, 1, 1}) * 0.5);
     pixel *= std::max(0.0, dot(center - view.eye, view.forward));
   }
+  // Where a voxel covers more than a pixel, the picture shows the slices in it.
   return pixel < finestSpacing(layout) ? 0.5 : 1;
 }
 
 double stepFor(const View& view, const TimeStep& step, int finest_level) {
   VolumeLayout level = step.source->layout();
   const double times = spacingOfLevel(step, finest_level);
+  // The level as if it were a volume of its own.
   level.spacing = level.spacing * times;
   for (int a = 0; a < 3; ++a)
     level.dims[a] = std::max<int64_t>(1, std::llround(static_cast<double>(level.dims[a]) / times));

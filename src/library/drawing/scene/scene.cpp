@@ -40,6 +40,8 @@ Scene::Scene(SceneInputs inputs, const LookArguments& asked_look, const FrameOpt
 }
 
 Scene::~Scene() {
+  // Sessions draw on the device, which is a member here and would be destroyed before the base
+  // class's session.
   more.clear();
   session.reset();
 }
@@ -72,6 +74,7 @@ void Scene::shareAmong(Team& team, std::shared_ptr<const LentBoxes> lent, Layer&
 }
 
 void Scene::openSession(const FrameOptions& frame, const MoreBytes& more_bytes) {
+  // All memory is free before it is shared out anew.
   for (Layer* layer : layers()) layer->session.reset();
   try {
     const std::vector<BesideShare> shares = sharesOf(frame, more_bytes, memory_bytes);
@@ -113,6 +116,7 @@ void Scene::openSession(Layer& layer, Partition partition) {
 }
 
 void Scene::setLook(const LookArguments& asked_look, Mode mode) {
+  // All looks are made before one is set, so that an invalid one leaves the scene as it was.
   std::vector<ChosenLook> chosen;
   for (const Layer* layer : layers()) chosen.push_back(lookFor(layer->volume, asked_look, mode));
   requireShown(asked_look, shownChannels());
@@ -181,6 +185,7 @@ std::string Scene::lookOf(const FrameOptions& options, const PictureOptions& pic
   std::string text = lookText();
   if (stepCounts(options.mode, options.step_vox))
     text += fmt::format(" --step {}", options.step_vox);
+  // Other modes know no light.
   if (!traitsOf(options.mode).has_colors) return text;
   ViewState state;
   static_cast<PictureOptions&>(state) = picture;
@@ -208,6 +213,7 @@ uint64_t Scene::memoryForWholePicture(const FrameOptions& frame) const {
   for (const Layer* layer : layers())
     most = std::max(most, leastForWholePicture(layer->volume, layer->machine, frame.partition,
                                                pictureDemand(machine, frame),
+                                               // Without the part that strips take now.
                                                layer->beside_bytes - layer->part_bytes));
   return layers().size() * most;
 }
@@ -238,6 +244,7 @@ SceneFrame Scene::draw(const std::vector<PictureRows>& strips,
     take(next.picture);
     return next;
   };
+  // The one strip is the whole picture, which the caller gets with the report.
   if (strips.size() == 1) {
     drawn.whole = drawNext();
     return drawn;
@@ -274,6 +281,8 @@ Frame Scene::composed(Layer& layer, const std::function<Frame()>& draw_own) {
     CutSummary& cut = *frame.report.cut;
     cut.spread.reset();  // of this rank's blocks alone
     if (cut.thin_change) {
+      // Voxels change the count of thin blocks only as a rank reads them, so the count of all is
+      // known after the picture alone.
       const int64_t change = layer.share->sumOverRanks(*cut.thin_change);
       cut.thin_blocks += change - *cut.thin_change;
       cut.thin_change = change;
@@ -316,6 +325,7 @@ void Scene::recordTo(const std::string& path) {
   }
   if (path.empty()) return;
   const std::vector<std::string> paths = tracePaths(path);
+  // All files are opened before one session records, so that a failure leaves none half set up.
   std::vector<std::unique_ptr<TraceWriter>> writers;
   for (size_t i = 0; i < all.size(); ++i)
     writers.push_back(makeTraceWriter(paths[i], traceFormatOf(paths[i]),
@@ -329,6 +339,7 @@ void Scene::recordTo(const std::string& path) {
 void Scene::keepLearntRanges() const {
   for (const Layer* layer : layers()) {
     const IndexedVolume& of = layer->volume;
+    // Ranges that are known from an index need no keeping.
     if (!of.stand_in || layer->session == nullptr) continue;
     const std::shared_ptr<const SliceRanges> learnt = layer->session->learntRanges();
     if (learnt != nullptr && learnt->unknown.size() < of.index->ranges.unknown.size())

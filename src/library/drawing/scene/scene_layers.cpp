@@ -81,6 +81,7 @@ std::vector<BesideShare> Scene::sharesOf(const FrameOptions& frame, const MoreBy
   std::vector<PageGeometry> pages;
   for (const Layer* layer : layers()) {
     MachineOptions own_machine = layer->machine;
+    // 0 would mean half of the free memory (memoryBudget()).
     own_machine.memory_bytes = std::max<uint64_t>(1, of_memory / layers().size());
     const FrameOptions own = optionsOf(*layer, of_all);
     const IndexedVolume& of = layer->volume;
@@ -230,6 +231,7 @@ Frame Scene::drawLayers(std::vector<LayerFrame>& parts) {
     addPicture(sum->picture, next.picture, pool);
     device->reuse(std::move(next.picture));
   }
+  // Layers add light, and a pixel's opacity cannot exceed 1.
   limitSum(sum->picture, pool);
   sum->report = parts.front().report;
   for (size_t i = 1; i < parts.size(); ++i) addLayer(sum->report, parts[i].report);

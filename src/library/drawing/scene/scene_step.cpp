@@ -55,6 +55,8 @@ double Scene::chosenStep(const TimeStep& step, const FrameOptions& options) cons
     const FrameOptions own = optionsOf(*layer, options);
     const View own_view = resolve(own, layout);
     const double own_step = chosenStepOf(*this, *layer, layer->volume.step(), own_view, own);
+    // One distance for all layers: the finest one that any of them needs, in the first volume's
+    // voxels.
     least = std::min(least, stepOn(first, layout, own_step));
   }
   return least;

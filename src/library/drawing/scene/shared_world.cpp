@@ -86,6 +86,7 @@ Camera cameraOn(const VolumeLayout& to, const VolumeLayout& from, const Camera& 
                 PictureSize size) {
   const View view = resolve(camera, from, size, 1);
   Camera placed = camera;
+  // Resolved already, in the first volume's world.
   placed.framing.reset();
   const Vec3d eye = positionOn(to, from, view.eye);
   // Far enough away for the direction not to be rounded.
@@ -100,8 +101,10 @@ Camera cameraOn(const VolumeLayout& to, const VolumeLayout& from, const Camera& 
 
 std::optional<Box3> cropOn(const VolumeLayout& to, const VolumeLayout& from,
                            const std::optional<Box3>& crop) {
+  // The same numbers, without rounding.
   if (!crop || isSamePlace(to, from)) return crop;
   const double far = std::numeric_limits<double>::infinity();
+  // The box around the turned crop: its sides cut exactly, as planes (sidesOf()).
   Vec3d lo{far, far, far}, hi = -lo;
   for (const Vec3d& corner : cornersOf(*crop)) {
     const Vec3d index = indexIn(to, from, corner);
@@ -137,6 +140,7 @@ FrameOptions frameOn(const VolumeLayout& to, const VolumeLayout& from, const Fra
     plane = {directionOn(to, from, plane.normal), plane.offset * worldScale(from, to)};
   own.clip_planes = std::move(planes);
   own.crop = cropOn(to, from, frame.crop);
+  // A number of a level means something else on another grid.
   if (own.cut) own.cut->level.reset();
   if (colorsByDepth(frame)) {
     const View view = resolve(frame, from);

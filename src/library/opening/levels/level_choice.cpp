@@ -68,6 +68,8 @@ IndexNeeds needsOf(const LookArguments& look, Mode mode, const std::optional<Cut
 }
 
 IndexNeeds storedNeeds(IndexNeeds needs, const ValueMap& map) {
+  // A negative slope turns the order of the stored values around, so the greatest values are the
+  // least stored ones.
   if (map.scale > 0) return needs;
   if (needs.values == LevelValues::kMaxima)
     needs.values = LevelValues::kMinima;
@@ -81,6 +83,7 @@ IndexNeeds hurriedNeeds(IndexNeeds needs, const VolumeSource& source) {
   if (!needs.opens_soon || needs.levels == LevelNeeds::kFinest || own.empty() ||
       own.front().is_computed || !suit(own, needs))
     return needs;
+  // A small local volume is indexed about as soon as its coarse level would be.
   if (!isLarge(source.layout()) && source.distantReads() == 0) return needs;
   needs.levels = LevelNeeds::kAll;
   needs.may_stand_in = true;

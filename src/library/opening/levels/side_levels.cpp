@@ -35,8 +35,10 @@ class DamageReport {
 
   // Any thread.
   void add(const Error& error) {
+    // Several threads may find the damage at once; one of them tells it.
     if (is_made_.exchange(true)) return;
     std::error_code ignored;  // then the next opening finds the same damage
+    // Without the index file the levels do not count as written (open()).
     fs::remove(index_file_, ignored);
     if (announce_)
       announce_(fmt::format(
@@ -72,6 +74,7 @@ class MendedLevel final : public VolumeSource {
       level_.readRegion(time, box, out);
     } catch (const Error& error) {
       damage_.add(error);
+      // Voxels and spreads are asked for separately, so only the wanted ones are made.
       if (numbers_ == Numbers::kVoxels)
         makeLevelRegion(finest_, finest_time_, shape_, how_, box, out, {});
       else
@@ -113,6 +116,7 @@ class LeveledVolume final : public ForwardingSource {
     for (const CoarserLevel& level : store_->levels()) {
       const Vec3d step = level.placement.scale;
       const LevelShape shape{level.source->layout().dims,
+                             // Scales of levels that sluice makes are whole numbers.
                              {std::llround(step.x), std::llround(step.y), std::llround(step.z)}};
       CoarserLevel above{mended(*level.source, Numbers::kVoxels, shape),
                          placedAbove(below.placement, level.placement)};
@@ -174,6 +178,7 @@ fs::path storeIn(const fs::path& folder, const IndexKey& key) {
 // Bytes that are free where a folder is or will be; nullopt: unknown.
 std::optional<uint64_t> freeBytes(fs::path folder) {
   std::error_code status;
+  // The folder is made by the writer, and free space belongs to the nearest folder that exists.
   while (!fs::exists(folder, status) && folder.has_relative_path()) folder = folder.parent_path();
   const fs::space_info space = fs::space(folder, status);
   if (status) return std::nullopt;
@@ -231,6 +236,7 @@ void SideLevels::open() {
   try {
     uint64_t digest = 0;
     ByteReader(*kept.blob).value(digest);
+    // The group may be of another pass that was killed, or changed by somebody.
     if (digest != LevelStore::digestOf(folder))
       fail("{}: differs from the levels that were written", folder.string());
     store_ = std::make_unique<LevelStore>(folder, layout_, how_);
@@ -256,6 +262,7 @@ void SideLevels::prepare(const SideLevelsRequest& request) {
     return answer("since its background is not a number");
   if (places_.written.empty())
     return answer("since there is no folder for them (--index-dir names one)");
+  // The pass that makes the min-max arrays takes the rest.
   const auto plan = planLevelStore(layout_, how_, request.memory_bytes / 2, request.pool.threads());
   if (!plan) return answer("since --memory is too small to make them");
   if (plan->levels.empty()) return;
@@ -293,6 +300,7 @@ void SideLevels::finish() {
   const fs::path folder = storeIn(places_.written, key_);
   const bool is_kept = writer_->finish();
   const std::string fault = writer_->fault();
+  // Its files are closed before they are read.
   writer_.reset();
   held_bytes_ = 0;
   const auto lost = [&](const std::string& why) {
@@ -301,6 +309,7 @@ void SideLevels::finish() {
   };
   if (!is_kept) return lost(fault);
   try {
+    // The index file is written last: it vouches for the group.
     ByteWriter blob;
     blob.value(LevelStore::digestOf(folder));
     const IndexWritten written = writeIndex(places_, key_, blob.bytes);

@@ -71,6 +71,8 @@ Grid finestGrid(const VolumeLayout& layout, uint64_t most_bytes) {
     return true;
   };
   const auto coarsenPlane = [&] {
+    // The axis with the finer step, or else with more points, is coarsened first, so that steps
+    // stay alike.
     const bool is_x = step.x == step.y ? points(0) >= points(1) : step.x < step.y;
     return coarsen(is_x ? 0 : 1) || coarsen(is_x ? 1 : 0);
   };
@@ -132,6 +134,8 @@ class Sampler {
     const Stopwatch watch;
     read(first, 2 * first);
     int64_t step = first;
+    // The next round reads `growth` times as much as all rounds so far, so it is estimated from
+    // their time.
     while (step > 1 && watch.seconds() * (1 + growth) <= request_.seconds) {
       read(step / 2, step);
       step /= 2;
@@ -154,6 +158,8 @@ class Sampler {
     });
     const auto plane = static_cast<size_t>(grid_[0].count * grid_[1].count * voxel_bytes_);
     const int64_t read = (z.count - 1) / step + 1;
+    // Slices that were read lie at every `step`-th place; they move together, each to a place
+    // before its own.
     for (int64_t i = 1; i < read && step > 1; ++i)
       std::memcpy(sample_.voxels.data() + static_cast<size_t>(i) * plane,
                   sample_.voxels.data() + static_cast<size_t>(i * step) * plane, plane);
@@ -167,6 +173,7 @@ class Sampler {
   void readPlanes(const std::vector<int64_t>& planes) {
     const AxisGrid &y = grid_[1], &z = grid_[2];
     const int64_t row_bytes = layout_.dims.x * voxel_bytes_;
+    // Rows that lie close together come with one read faster than with many.
     const bool reads_rows = units_.voxels.y == 1 && (y.step - 1) * row_bytes >= kLeastGapBytes;
     const int64_t rows_a_read =
         reads_rows ? 1 : std::max<int64_t>(1, readBytes() / row_bytes / y.step);
@@ -237,6 +244,8 @@ class Sampler {
     const auto row_bytes = static_cast<size_t>(dims.x * voxel_bytes_);
     const size_t plane_bytes = row_bytes * static_cast<size_t>(dims.y);
     const auto voxel = static_cast<size_t>(voxel_bytes_);
+    // Along x, then y, then z: each pass copies only from rows or planes that the one before has
+    // filled.
     for (int64_t z = 0; z < dims.z; ++z) {
       if (nearest[2][static_cast<size_t>(z)] != z) continue;
       std::byte* const plane = sample_.voxels.data() + static_cast<size_t>(z) * plane_bytes;
