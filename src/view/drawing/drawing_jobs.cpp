@@ -47,6 +47,7 @@ ProgressFunction DrawingJobs::progress() const {
 
 void DrawingJobs::useLook(const ViewState& state, bool is_shown) {
   const LookOptions look = lookOf(state);
+  // There is none if opening another volume failed after the last one was let go (openVolume()).
   if (opened_.renderer == nullptr) {
     opened_.renderer = makeRenderer(*opened_.volume, look);
     opened_.look = look;
@@ -56,6 +57,7 @@ void DrawingJobs::useLook(const ViewState& state, bool is_shown) {
   } else if (look == opened_.shown_look) {
     return;
   }
+  // Frames of a film have looks of their own, which the panels must not show.
   if (!is_shown) return;
   opened_.shown_look = look;
   auto shown = std::make_unique<ShownLook>(opened_.renderer->shownLook());
@@ -91,10 +93,12 @@ ShownPicture DrawingJobs::draw(const Job& job, const PictureOptions& picture) {
   shown.levels = std::move(report.levels);
   shown.will_improve = report.will_improve;
   shown.is_refined = report.is_refined;
+  // Reading and planning, apart from drawing: only drawing scales with pixels and steps.
   double other_s = std::max(0.0, report.seconds - report.draw_seconds);
   // A picture of levels reads as much as its time allows: this says nothing of the next one.
   if (!shown.levels.empty() && report.pages_loaded > 0)
     other_s = std::min(other_s, opened_.pace.fixed_s);
+  // A picture with missing parts was drawn faster than a whole one.
   if (report.missing_share == 0)
     opened_.pace =
         learned(opened_.pace, {static_cast<double>(picture.width) * picture.height, report.step_vox,
@@ -170,6 +174,7 @@ void DrawingJobs::run(const SlicesJob&, const Job& job) {
   useLook(state);
   const VolumeInfo& info = opened_.volume->info();
   std::array<double, 2> range = state.look.range.value_or(info.value_range);
+  // A volume of one value has no range to spread over the greys.
   if (range[0] == range[1]) range[1] = range[0] + 1;
   for (int axis = 0; axis < 3; ++axis) {
     const auto a = static_cast<size_t>(axis);
@@ -178,6 +183,7 @@ void DrawingJobs::run(const SlicesJob&, const Job& job) {
     const bool is_same = kept.at == at && kept.time == state.time;
     if (is_same && kept.range == range) continue;
     if (!is_same) {
+      // Invalid until the read succeeds, which may be cancelled.
       kept.at = -1;
       kept.values = opened_.renderer->slice(
           {.axis = axis, .at = at, .time = state.time, .most = 512}, job.stop);
@@ -187,6 +193,7 @@ void DrawingJobs::run(const SlicesJob&, const Job& job) {
     kept.range = range;
     ShownSlice shown{axis, at, kept.values.width, kept.values.height, greys(kept.values, range)};
     news_.add([&](News& news) {
+      // A slice that nobody has taken yet is replaced.
       std::erase_if(news.slices, [axis](const ShownSlice& other) { return other.axis == axis; });
       news.slices.push_back(std::move(shown));
     });

@@ -52,6 +52,7 @@ void DrawingJobs::run(const OpenJob& task, const Job& job) {
   } catch (const Cancelled&) {
     throw;
   } catch (const std::exception&) {
+    // A recent file that was deleted leaves the list, whatever reader complained about it.
     if (isGone(open.volume.paths))
       news_.add([&](News& news) { news.vanished.push_back(open.volume.paths.front()); });
     throw;

@@ -61,10 +61,12 @@ void DrawingJobs::beginFilm(const FilmWish& film) {
   if (frameCount(film.path) == 0) failRequest("a film without key frames; add a view first");
   if (!isNumbered(film.name))
     failRequest("{}: frames need a place for their numbers, as in frame_%04d.png", film.name);
+  // All names are checked before the first frame, so that a film does not stop halfway.
   std::vector<std::string> writes{pathFileFor(film.name)};
   for (int64_t i = 0; i < frameCount(film.path); ++i)
     writes.push_back(numberedName(film.name, i, true).string());
   requirePictureName(writes.back());
+  // Each key may read a transfer function's file of its own.
   for (const ViewKey& key : film.path.keys) checkOutputs(writes, key.state.look);
   checkOutputs(writes, film.now.look);
   requireReplaceable(writes.front(), FileKind::kView);
@@ -80,6 +82,7 @@ void DrawingJobs::run(const FrameJob& task, const Job& job) {
   useLook(state, false);
   drawToFile(*opened_.renderer, numberedName(film.name, task.frame, true).string(), state,
              film.width, film.height, progress(), job.stop);
+  // Cancelled, or replaced by another film, while the frame was drawn.
   if (!queue_.noteFrame(task)) return;
   news_.add([&](News& news) {
     if (task.frame + 1 == frameCount(film.path))

@@ -25,6 +25,7 @@ double secondsBetween(std::chrono::steady_clock::time_point from,
 }
 
 void keep(std::vector<double>& times, double seconds) {
+  // The older half goes at once, so that a long session does not shift the list at every picture.
   if (times.size() >= kMostTimes) times.erase(times.begin(), times.begin() + kMostTimes / 2);
   times.push_back(seconds);
 }
@@ -53,6 +54,7 @@ uint64_t JobQueue::wish(const Wish& wish) {
   served_.unanswered.emplace_back(number, now);
   if (served_.unanswered.size() > kMostUnanswered) served_.unanswered.pop_front();
   ++times_.wishes;
+  // A preview that is nearly there is shown; one that takes long is stopped for the newer wish.
   stopWork(secondsBetween(work_.began, now) > kStalePreview_s);
   changed_.notifyAll();
   return number;
@@ -102,6 +104,7 @@ uint64_t JobQueue::probe(double right, double down) {
 
 void JobQueue::wantReport(bool maps) {
   const MutexLock lock(mutex_);
+  // A request for maps that still waits is not forgotten for one without.
   requests_.report = ReportJob{maps || (requests_.report && requests_.report->maps)};
   changed_.notifyAll();
 }
@@ -134,6 +137,7 @@ void JobQueue::stopWork(bool also_previews) {
       work_.stop.request_stop();
       break;
     case Doing::kOpening:
+      // Only another volume ends the opening of one, not a wish for a picture.
       if (requests_.open) work_.stop.request_stop();
       break;
     case Doing::kFrame:
@@ -162,6 +166,7 @@ std::optional<Job> JobQueue::choose() {
   const auto job = [wish = asked.wish](auto task) { return Job{std::move(task), wish, {}}; };
   if (asked.open) return job(*std::exchange(asked.open, std::nullopt));
   if (!asked.texts.empty()) return job(takeFirst(asked.texts));
+  // All other jobs need a volume.
   if (!work_.is_open) return std::nullopt;
   const uint64_t newest = asked.wish != nullptr ? asked.wish->number : 0;
   if (asked.place) return job(*std::exchange(asked.place, std::nullopt));
@@ -209,6 +214,7 @@ void JobQueue::noteProgress(double share, bool is_indexing) {
 void JobQueue::noteOpened() {
   const MutexLock lock(mutex_);
   work_.is_open = true;
+  // Wishes for the volume before do not count for this one.
   served_ = {.previewed = status_.wished, .sliced = status_.wished, .unanswered = {}};
   status_.completed = status_.wished;
   status_.is_indexing = false;
@@ -220,9 +226,11 @@ void JobQueue::noteOpened() {
 void JobQueue::notePicture(const NumberedWish& wish, bool is_complete) {
   const auto now = Clock::now();
   const MutexLock lock(mutex_);
+  // A whole picture that a newer preview has overtaken does not make it wanted again.
   served_.previewed = std::max(served_.previewed, wish.number);
   ++(is_complete ? times_.complete : times_.previews);
   auto& unanswered = served_.unanswered;
+  // A picture answers all wishes up to its own: those between were never drawn.
   while (!unanswered.empty() && unanswered.front().first <= wish.number) {
     keep(times_.answer_s, secondsBetween(unanswered.front().second, now));
     unanswered.pop_front();
@@ -263,6 +271,8 @@ void JobQueue::noteFailed(const Job& job) {
   }
   const Doing doing = kDoing[job.task.index()];
   if (doing == Doing::kPreview || doing == Doing::kPicture || doing == Doing::kSlices)
+    // A view that cannot be drawn is not tried again before the next wish, or it would fail for
+    // ever.
     served_.previewed = served_.sliced = status_.completed = job.wish->number;
 }
 

@@ -31,6 +31,7 @@ std::vector<OptionWord> pictureWords(const ViewState& state) {
 std::string renderCommand(const ViewedVolume& volume, const ViewState& whole,
                           const std::string& look, int width, int height,
                           const std::string& output) {
+  // The command line refuses options that have no effect together.
   const ViewState state = withoutConflicts(whole);
   std::string command = "sluice render";
   for (const std::string& path : volume.paths) command += " " + shellWord(asOperand(path));

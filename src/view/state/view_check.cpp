@@ -154,6 +154,7 @@ void checkCamera(Findings& findings, const ViewOptions& view) {
   const auto& [eye, target] = *view.look_at;
   const Vec3d back = vecOf(eye) - vecOf(target);
   findings.require(length(back) > 0, "/camera/eye", "an eye apart from its target", eye);
+  // An up direction along the view leaves the roll open.
   if (view.up)
     findings.require(length(cross(back, up)) > 1e-9 * length(back) * length(up), "/camera/up",
                      "a direction across the view", *view.up);

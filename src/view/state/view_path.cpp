@@ -104,8 +104,12 @@ class Between {
     if (key == 0 || key + 1 == keys_.size()) return 0;  // at rest
     const double before = seconds(key - 1), after = seconds(key);
     const double to = (of(key) - of(key - 1)) / before, on = (of(key + 1) - of(key)) / after;
+    // The mean of the two secants, each weighted by the other one's time: the slope of the parabola
+    // through the three keys.
     const double mean = (to * after + on * before) / (before + after);
     if (!is_monotone) return mean;
+    // Fritsch and Carlson (1980): a cubic is monotone if its slopes have the secants' sign and are
+    // at most three times as steep.
     if (to * on <= 0) return 0;
     const double most = 3 * std::min(std::abs(to), std::abs(on));
     return std::clamp(mean, -most, most);
@@ -160,6 +164,7 @@ ViewOptions cameraBetween(const Between& at) {
   for (size_t p = 0; p < 4; ++p) turning[p] = at.smooth([&](size_t i) { return turningAt(i)[p]; });
   const auto [up, back] = upAndBack(turning);
   const double distance =
+      // Distances and zooms are mixed as logarithms, so that a camera approaches at an even pace.
       std::exp(at.smooth(of([](const ViewOptions& v) { return std::log(reachOf(v)); })));
   view.look_at = ViewOptions::LookAt{arrayOf(target + back * distance), arrayOf(target)};
   view.up = arrayOf(up);
@@ -247,6 +252,7 @@ ViewState keyFrameAt(const ViewPath& path, const ViewState& now, double second) 
     second -= seconds;
     ++from;
   }
+  // A frame at a key is that key's state itself, without rounding.
   const bool is_key = path.keys.size() == 1 || share <= 0 || share >= 1;
   ViewState state = path.keys[is_key && share >= 1 ? from + 1 : from].state;
   if (!is_key) {
@@ -265,6 +271,7 @@ ViewState keyFrameAt(const ViewPath& path, const ViewState& now, double second) 
           }))
         (*state.background)[c] = static_cast<float>(*channel);
   }
+  // The cross hair and the slices are the window's, whatever the film shows.
   state.cross = now.cross;
   state.shows_slices = now.shows_slices;
   return state;

@@ -13,6 +13,7 @@
 namespace sluice {
 namespace {
 
+// take() copies the vertices as bytes.
 static_assert(sizeof(DrawnVertex) == sizeof(ImDrawVert));
 
 template <class Function>
@@ -55,6 +56,7 @@ void cut(ImDrawList& list, const std::vector<ScreenArea>& areas, float height) {
       const ScreenArea met = common(area, {clip.x, clip.y, clip.z, clip.w});
       if (met.isEmpty() || command.ElemCount == 0) continue;
       commands.push_back(command);
+      // OpenGL counts rows from the bottom, and the canvas from the top.
       commands.back().ClipRect = {met.left, height - met.bottom, met.right, height - met.top};
     }
   list.CmdBuffer.swap(commands);
@@ -118,6 +120,7 @@ void Canvas::resize(int width, int height) {
 }
 
 Canvas::Backdrop& Canvas::renewBackdrop() {
+  // Where the old backdrop was has to be drawn again, too.
   backdrop_was_ = hull(backdrop_was_, areaOf(backdrop_));
   backdrop_is_new_ = true;
   return backdrop_;
@@ -138,6 +141,7 @@ const std::vector<ScreenArea>& Canvas::compare(const ImDrawData& data, int width
     take(now_[static_cast<size_t>(i)], *data.CmdLists[i], data.DisplayPos);
   const ScreenArea all{0, 0, data.DisplaySize.x, data.DisplaySize.y};
   const ImVec2 scale = data.FramebufferScale;
+  // A new canvas has no pixels to keep.
   areas_ = is_new_ ? std::vector{all} : changedAreas(last_, now_, redrawn_, all);
   scale_x_ = scale.x;
   scale_y_ = scale.y;
@@ -187,6 +191,7 @@ void Canvas::draw(ImDrawData& data) {
     const auto left = static_cast<int>(at.left), top = static_cast<int>(at.top);
     const int wide = static_cast<int>(at.right) - left, high = static_cast<int>(at.bottom) - top;
     glScissor(left, top, wide, high);
+    // An area that the backdrop fills need not be cleared first.
     if (backdrop_.bgra.empty() || !holds(areaOf(backdrop_), at)) glClear(GL_COLOR_BUFFER_BIT);
     drawBackdrop(at);
     drawn_pixels_ += static_cast<uint64_t>(wide) * static_cast<uint64_t>(high);
@@ -195,6 +200,7 @@ void Canvas::draw(ImDrawData& data) {
   for (int i = 0; i < data.CmdListsCount; ++i) cut(*data.CmdLists[i], areas_, data.DisplaySize.y);
   if (!areas_.empty()) ImGui_ImplOpenGL3_RenderDrawData(&data);
   gl_->bind(GL_DRAW_FRAMEBUFFER, 0);
+  // The canvas is upside down, so the copy turns it.
   gl_->blit(0, 0, width_, height_, 0, height_, width_, 0, GL_COLOR_BUFFER_BIT, GL_NEAREST);
   gl_->bind(GL_FRAMEBUFFER, 0);
   std::swap(last_, now_);

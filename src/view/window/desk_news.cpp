@@ -59,6 +59,7 @@ void takeOpened(WindowState& window, std::unique_ptr<OpenedVolumeNews> news) {
   const OpenedVolumeNews& opened = *window.volume.news;
   window.volume.ground = groundOf(opened.info);
   window.history = History<ViewState>(opened.state);
+  // The number goes on, since the desk counts its wishes over all volumes.
   window.wishes = {.last = {}, .number = window.wishes.number, .unanswered = {}};
   window.pointer.value.reset();
   window.shown.picture = {};
@@ -95,6 +96,7 @@ void takePicture(PictureOnScreen& shown, ShownPicture picture) {
 
 void takeProbe(WindowState& window, const ProbeNews& news) {
   Pointer& pointer = window.pointer;
+  // The pointer has moved on since.
   if (news.number != pointer.question) return;
   pointer.value = news.found;
   if (std::exchange(pointer.centers, false) && news.found && window.isOpen()) {
@@ -111,6 +113,7 @@ void takeProbe(WindowState& window, const ProbeNews& news) {
 }
 
 void takeSaved(WindowState& window, const SavedNews& saved) {
+  // The user has not asked for the settings to be saved.
   if (saved.path == window.request.settings_file) return;
   window.say(saved.command.empty() ? saved.path : saved.command);
   window.messages.saved = "saved " + saved.path;
@@ -205,6 +208,7 @@ void notePresented(WindowState& window) {
 }
 
 void sendWish(WindowState& window) {
+  // A pane that is nearly closed has no picture.
   if (!window.isOpen() || window.pane.width < 8 || window.pane.height < 8) return;
   Wish wish;
   wish.state = window.state();
@@ -223,6 +227,7 @@ void sendWish(WindowState& window) {
     if (sent->moves && !is_down) window.loop.wakeBy(rests_at + 1ms);
     return;
   }
+  // A series that plays waits for whole pictures, so its wishes count as at rest.
   wish.moves = moves && !window.series.is_playing;
   if (wish.moves && !is_down) window.loop.wakeBy(rests_at + 1ms);
   const uint64_t number = window.desk.wish(wish);

@@ -26,8 +26,10 @@ void addKey(WindowState& window) {
 void showFrame(WindowState& window, int64_t frame) {
   FilmEditor& film = window.film;
   if (!window.isOpen() || frameCount(film.path) == 0) return;
+  // The view to which the end of the film leads back.
   if (!film.view) film.view = window.state();
   film.frame = std::clamp<int64_t>(frame, 0, frameCount(film.path) - 1);
+  // A film leaves no steps to undo.
   window.history.replace(stateAt(film.path, *film.view, film.frame));
 }
 
@@ -52,6 +54,7 @@ void showPlayedFrame(WindowState& window) {
   if (!film.is_playing) return;
   const auto now = WindowClock::now();
   const double seconds = std::chrono::duration<double>(now - film.began).count();
+  // By the clock, so that frames which take too long are left out and the film keeps its speed.
   const auto frame = static_cast<int64_t>(std::floor(seconds * film.path.frames_per_second));
   if (frame >= frameCount(film.path)) {
     window.log.write({{"film", "ended"}});
@@ -89,6 +92,7 @@ void playSeries(WindowState& window) {
   const double waited = std::chrono::duration<double>(now - series.step_at).count();
   if (waited < 1 / series.steps_per_second)
     return window.loop.wakeBy(series.step_at + durationOf(1 / series.steps_per_second));
+  // A moving mean; a pause of seconds begins a new one.
   series.achieved_steps = waited > 5 ? 0 : 0.7 * series.achieved_steps + 0.3 / waited;
   series.step_at = window.loop.event_at = now;
   ViewState next = window.state();

@@ -140,12 +140,14 @@ void takeInput(GLFWwindow* window, Events& events, WindowState& state) {
   }
   ImGui_ImplGlfw_NewFrame();
   ImGuiIO& io = ImGui::GetIO();
+  // NewFrame() has read the pointer's position of now, and the events that were taken end earlier.
   if (ImGui::IsMousePosValid(&io.MousePos))
     io.MousePos = {static_cast<float>(events.x), static_cast<float>(events.y)};
   std::copy(events.is_down.begin(), events.is_down.end(), std::begin(io.MouseDown));
 }
 
 GLFWwindow* lendContext(const WindowRequest& request, GLFWwindow* window) {
+  // A hidden window is GLFW's only way to a second context that shares its objects.
   glfwWindowHint(GLFW_VISIBLE, GLFW_FALSE);
   GLFWwindow* const lent = glfwCreateWindow(1, 1, "sluice", nullptr, window);
   glfwWindowHint(GLFW_VISIBLE, GLFW_TRUE);
@@ -164,9 +166,11 @@ void hearDriver(WindowState& window) {
       reinterpret_cast<PFNGLDEBUGMESSAGECALLBACKPROC>(glfwGetProcAddress("glDebugMessageCallback"));
   if (listen == nullptr || glfwExtensionSupported("GL_KHR_debug") == GLFW_FALSE) return;
   glEnable(GL_DEBUG_OUTPUT);
+  // Messages come on this thread, within the call that they are about.
   glEnable(GL_DEBUG_OUTPUT_SYNCHRONOUS);
   const auto hear = [](GLenum, GLenum type, GLuint, GLenum, GLsizei, const GLchar* words,
                        const void* to) {
+    // Hints about performance are no errors.
     if (type != GL_DEBUG_TYPE_ERROR && type != GL_DEBUG_TYPE_UNDEFINED_BEHAVIOR) return;
     WindowState& heard_by = *static_cast<WindowState*>(const_cast<void*>(to));
     if (++heard_by.loop.times.gl_errors <= kMostSaid) heard_by.log.write({{"gl_message", words}});

@@ -39,6 +39,7 @@ void Texture::letGo() {
   }
   const GLsync seen = find<PFNGLFENCESYNCPROC>("glFenceSync")(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
   glFlush();  // else a thread that waits for the fence may wait for ever
+  // The renderer waits for this fence before it draws over the texture.
   removeFence(image.seen->exchange(seen));
 }
 

@@ -42,6 +42,7 @@ void chooseFont(float scale) {
   constexpr const char* kFont = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
   std::error_code unknown;
   ImGuiIO& io = ImGui::GetIO();
+  // ImGui's own font is a bitmap of 13 pixels, which scales badly.
   if (std::filesystem::exists(kFont, unknown)) {
     io.Fonts->AddFontFromFileTTF(kFont, std::round(14 * scale), &config);
   } else {
@@ -88,6 +89,8 @@ class Window {
     request.tell_news([] { glfwPostEmptyEvent(); });
   }
   ~Window() {
+    // In this order: no news may wake a window that is gone, and the desk ends before the context
+    // that was lent to it.
     request_.tell_news(nullptr);
     request_.end_desk();
     if (state_->log.isOn()) glDisable(GL_DEBUG_OUTPUT);  // it would report to the window
@@ -224,6 +227,7 @@ class Window {
       return 0;
     }
     canvas_->draw(data);
+    // Bounded, since a lost context reports errors without end.
     while (glGetError() != GL_NO_ERROR && window.loop.times.gl_errors < 1'000'000)
       ++window.loop.times.gl_errors;
     glfwSwapBuffers(window_);
@@ -255,6 +259,7 @@ class Window {
                   fades ? fade_to_ : backdrop.bgra);
     }
     if (fades) {
+      // A pane of another size has no picture to fade from.
       const bool has_both = fade_from_.size() == fade_to_.size();
       mixPixels(has_both ? fade_from_ : fade_to_, fade_to_, window.shown.share, backdrop.bgra);
     }

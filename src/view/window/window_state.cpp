@@ -31,6 +31,7 @@ WindowState::WindowState(const WindowRequest& given, const std::function<void()>
 
 void WindowState::change(const ViewState& next) {
   if (next == state()) return;
+  // A value typed into a panel may be one that nothing can draw.
   if (const std::optional<ViewFault> fault = faultOf(next))
     return fail(fault->field + ": expected " + fault->expected + ", found " + fault->found +
                 "; the view stays as it was");
@@ -40,6 +41,7 @@ void WindowState::change(const ViewState& next) {
     film.is_playing = false;
   }
   const auto now = WindowClock::now();
+  // One step to undo for each gesture: a drag, or keys and wheel in a row.
   if (!pointer.is_down && now - loop.moved_at > kTogether) ++gesture;
   loop.moved_at = now;
   if (!pointer.is_down) loop.nudged_at = now;
@@ -90,6 +92,7 @@ void showFrom(WindowState& window, ViewOptions::From from) {
   if (!window.isOpen()) return;
   ViewState next = window.state();
   const ViewOptions last = next.view;
+  // Placed anew by the desk, so that the view fits what is visible.
   next.view = ViewOptions{};
   next.view.from = from;
   next.view.projection = last.projection;

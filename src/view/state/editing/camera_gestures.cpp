@@ -34,6 +34,7 @@ Vec3d rotated(Vec3d v, Vec3d axis, double angle) {
 
 // Half of the pane's height at depth 1 of a perspective view; of a parallel one in world units.
 double halfHeight(const ViewOptions& view, Pane pane, const Ground& ground) {
+  // The shorter side of the pane spans the field of view.
   const double factor = std::max(1.0, static_cast<double>(pane.height) / pane.width);
   const double whole =
       isPerspective(view) ? std::tan(view.field_of_view_deg * kDegree / 2) : ground.radius;
@@ -47,6 +48,7 @@ ViewOptions moved(ViewOptions view, Vec3d by) {
 }
 
 double turnOf(double pixels, Pane pane) {
+  // A drag across the shorter side of the pane turns by half a circle.
   return std::numbers::pi * pixels / std::max(1, std::min(pane.width, pane.height));
 }
 
@@ -67,6 +69,7 @@ Ground groundOf(const VolumeInfo& info) {
   for (int which = 0; which < 8; ++which)
     ground.radius = std::max(ground.radius, length(corner(which) - ground.center));
   ground.finest_spacing = *std::min_element(info.spacing.begin(), info.spacing.end());
+  // A volume of one voxel still needs a length that movements are measured by.
   if (!(ground.radius > 0)) ground.radius = ground.finest_spacing;
   return ground;
 }
@@ -97,6 +100,7 @@ std::optional<PanePoint> paneOf(const ViewOptions& view, Vec3d world, Pane pane,
   double pixel = 2 * halfHeight(view, pane, ground) / pane.height;
   if (isPerspective(view)) {
     const double depth = -dot(from_eye, axes.back);
+    // At the eye's own depth or behind it there is no place on the pane.
     if (!(depth > 1e-9 * ground.radius)) return std::nullopt;
     pixel *= depth;
   }
@@ -137,6 +141,8 @@ ViewOptions zoomTo(const ViewOptions& view, double factor, double x, double y, P
   const Vec3d target = vec(view.look_at->target);
   ViewOptions next = view;
   if (isPerspective(view)) {
+    // The eye stays between a thousandth of a voxel from the target and a distance at which the
+    // volume is a dot.
     const double least = 1e-3 * ground.finest_spacing, most = 1e4 * ground.radius;
     const double distance = distanceOf(view);
     factor = distance / std::clamp(distance / factor, least, most);
@@ -145,6 +151,7 @@ ViewOptions zoomTo(const ViewOptions& view, double factor, double x, double y, P
     return next;
   }
   next.zoom = std::clamp(view.zoom * factor, kLeastZoomByHand, kMostZoomByHand);
+  // The point under the pointer stays where it is on the pane.
   return moved(next, (under - target) * (1 - view.zoom / next.zoom));
 }
 

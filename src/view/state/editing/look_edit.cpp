@@ -51,6 +51,7 @@ bool takesSurface(const LookOptions& look, const ShownLook& shown) {
 LookOptions withSurface(LookOptions look, std::array<double, 2> values) {
   double value = look.threshold.value_or(std::midpoint(values[0], values[1]));
   const double step = (values[1] - values[0]) / 16;
+  // A surface at a value that has one already would hide it.
   while (step > 0 && std::ranges::find(look.surfaces, value, &LookOptions::Surface::value) !=
                          look.surfaces.end())
     value = value + step <= values[1] ? value + step : values[0] + step / 3;

@@ -32,6 +32,7 @@ LookOptions withThreshold(LookOptions look, double threshold, std::array<double,
   const bool is_ramp = look.threshold.has_value();
   look = withoutOpacities(std::move(look));
   look.threshold = threshold;
+  // The range of another kind of look spans its colours, not a ramp.
   if (!is_ramp) look.range.reset();
   // A volume of a single value has no range to lay a ramp over.
   if (!look.range && range[0] < range[1]) look.range = range;
@@ -43,6 +44,7 @@ std::string wordAfter(std::string_view options, std::string_view option) {
     const size_t end = std::min(options.find(' ', at), options.size());
     if (options.substr(at, end - at) == option) {
       const size_t from = std::min(end + 1, options.size());
+      // shellWord() quotes words in this way.
       if (from < options.size() && options[from] == '\'') {
         const size_t close = std::min(options.find('\'', from + 1), options.size());
         return std::string(options.substr(from + 1, close - from - 1));
@@ -61,11 +63,13 @@ LookOptions byPoints(const LookOptions& look, const ShownLook& shown, std::array
   next.opacity.reset();
   for (const ShownLook::Opacity& point : shown.opacities)
     next.opacities.push_back({point.value, point.opacity});
+  // The editor draws lines between points, so it needs two.
   while (next.opacities.size() < 2)
     next.opacities.push_back(next.opacities.empty()
                                  ? LookOptions::Opacity{range[0], 0}
                                  : LookOptions::Opacity{std::max(range[1], next.opacities[0].value),
                                                         next.opacities[0].opacity});
+  // Opacities may stand over a file's colours.
   next.transfer_file = look.transfer_file;
   if (!next.transfer_file.empty()) return next;  // its colours stay
   if (next.map.empty()) next.map = wordAfter(shown.options, "--map");
@@ -78,6 +82,7 @@ LookOptions byPoints(const LookOptions& look, const ShownLook& shown, std::array
 }
 
 double heightOf(double opacity) {
+  // Opacities of volumes lie close to 0, so the plot shows their cube root.
   return std::cbrt(std::clamp(opacity, 0.0, 1.0));
 }
 double opacityAtHeight(double height) {
@@ -104,6 +109,7 @@ std::optional<size_t> pointAt(const OpacityPoints& points, std::array<double, 2>
 
 size_t addPoint(OpacityPoints& points, double value, double opacity) {
   const auto at =
+      // Behind points of the same value, so that a step keeps its order.
       std::upper_bound(points.begin(), points.end(), value,
                        [](double v, const LookOptions::Opacity& point) { return v < point.value; });
   const auto put = points.insert(at, {value, std::clamp(opacity, 0.0, 1.0)});
@@ -112,6 +118,7 @@ size_t addPoint(OpacityPoints& points, double value, double opacity) {
 
 void movePoint(OpacityPoints& points, size_t index, double value, double opacity) {
   SLUICE_CHECK_LT(index, points.size());
+  // Points stay in ascending order: a drag stops at its neighbours.
   if (index > 0) value = std::max(value, points[index - 1].value);
   if (index + 1 < points.size()) value = std::min(value, points[index + 1].value);
   points[index] = {value, std::clamp(opacity, 0.0, 1.0)};
@@ -129,6 +136,7 @@ std::array<double, 2> windowDragged(std::array<double, 2> range, double dx, doub
   const double level = (range[0] + range[1]) / 2 + dy * span;
   const bool turned = range[1] < range[0];
   double window = std::abs(range[1] - range[0]) + dx * span;
+  // The window never becomes empty or turns round.
   window = std::clamp(window, span * 1e-4, span * 4);
   const double center = std::clamp(level, all[0] - span, all[1] + span);
   return turned ? std::array{center + window / 2, center - window / 2}

@@ -19,6 +19,8 @@ bool isUtf8(const std::string& text) {
 }  // namespace
 
 nlohmann::json fileNameJson(const std::string& name) {
+  // File names of POSIX are any bytes, and JSON is UTF-8: other names are written byte by byte as
+  // characters up to U+00FF.
   if (isUtf8(name)) return name;
   std::string characters;  // U+0000 to U+00FF, as UTF-8
   for (const char c : name) {

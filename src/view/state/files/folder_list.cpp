@@ -32,6 +32,7 @@ bool isBefore(const FolderEntry& a, const FolderEntry& b) {
   const auto compared = std::lexicographical_compare_three_way(
       a.name.begin(), a.name.end(), b.name.begin(), b.name.end(),
       [](char x, char y) { return lower(x) <=> lower(y); });
+  // Names that differ in case alone still need an order.
   return compared == 0 ? a.name < b.name : compared < 0;
 }
 
@@ -107,6 +108,7 @@ FolderList readFolder(const FolderQuestion& question, const std::stop_token& sto
   try {
     fs::path folder = fs::absolute(question.folder.empty() ? "." : question.folder);
     folder = folder.lexically_normal();
+    // A trailing slash would count as a further level when going up.
     if (!folder.has_filename() && folder.has_relative_path()) folder = folder.parent_path();
     list.folder = folder.string();
     std::vector<std::string> files;
@@ -114,9 +116,11 @@ FolderList readFolder(const FolderQuestion& question, const std::stop_token& sto
       if (stop.stop_requested()) break;
       const std::string name = entry.path().filename().string();
       if (name.starts_with('.')) continue;
+      // The entry may be deleted between the listing and the question.
       std::error_code gone;
       const bool opens = endsIn(name, question.ends);
       if (entry.is_directory(gone))
+        // Stores such as Zarr are folders and open as volumes.
         list.entries.push_back({name, entry.path().string(), !opens});
       else if (opens)
         files.push_back(name);
@@ -149,6 +153,7 @@ FolderReader::~FolderReader() {
 void FolderReader::ask(const FolderQuestion& question) {
   const MutexLock lock(mutex_);
   stop_.request_stop();
+  // An answer to the folder before is not wanted any more.
   stop_ = std::stop_source();
   list_.reset();
   worker_.submit([this, number = ++asked_, question, stop = stop_.get_token()] {
@@ -162,10 +167,12 @@ void FolderReader::answer(uint64_t number, const FolderQuestion& question,
   FolderList list = readFolder(question, stop);
   {
     const MutexLock lock(mutex_);
+    // Another question came while this folder was read.
     if (number != asked_ || stop.stop_requested()) return;
     answered_ = number;
     list_ = std::move(list);
   }
+  // Outside of the lock, which the receiver takes in take().
   if (on_list_) on_list_();
 }
 

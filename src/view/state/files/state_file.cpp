@@ -45,6 +45,7 @@ json channelJson(const std::string& text) {
 
 json jsonOf(OptionForm form, const OptionValue& value) {
   const auto* const text = std::get_if<std::string>(&value);
+  // The view may be loaded from another working directory.
   if (form == OptionForm::kFile) return fileNameJson(absolutePath(*text));
   if (form == OptionForm::kName || (form == OptionForm::kChannel && text != nullptr))
     return fileNameJson(*text);
@@ -141,6 +142,7 @@ OptionValue valueOf(const OptionKind& kind, const JsonField& field) {
     case OptionForm::kText:
       return field.text();
     case OptionForm::kChannel:
+      // A channel is a number or a name.
       if (field.isNumber()) return field.whole();
       [[fallthrough]];
     case OptionForm::kFile:
@@ -243,6 +245,7 @@ ViewState stateOf(const JsonField& root, const std::string& where, const std::st
     addKeys(keys, part);
     field->allowOnly(keys);
     readPart(*field, part, state);
+    // An eye alone gives no direction, and a target alone no distance.
     if (part == OptionPart::kCamera &&
         field->find("eye").has_value() != field->find("target").has_value())
       field->failExpected("eye and target together");
@@ -262,6 +265,7 @@ json pathJson(const ViewPath& path) {
   for (const ViewKey& key : path.keys) {
     json one = stateJson(key.state);
     for (const OptionEntry& entry : optionTable())
+      // The cross hair and the panes belong to the window, not to a key.
       if (entry.option.empty()) one.erase(entry.key);
     one["seconds"] = key.seconds;
     made["keys"].push_back(std::move(one));

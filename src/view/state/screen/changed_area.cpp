@@ -26,6 +26,7 @@ std::vector<Triangle> trianglesOf(const DrawnList& list) {
 
 bool areSame(const Triangle& a, const Triangle& b, std::span<const uint64_t> redrawn) {
   if (a.command->texture != b.command->texture || a.command->clip != b.command->clip) return false;
+  // The triangle is the same and its texture's contents are not.
   if (std::ranges::find(redrawn, b.command->texture) != redrawn.end()) return false;
   for (size_t corner = 0; corner < 3; ++corner)
     if (*a.corners[corner] != *b.corners[corner]) return false;
@@ -60,6 +61,8 @@ ScreenArea hull(const ScreenArea& a, const ScreenArea& b) {
 ScreenArea changedArea(const DrawnList& last, const DrawnList& now,
                        std::span<const uint64_t> redrawn) {
   const std::vector<Triangle> before = trianglesOf(last), after = trianglesOf(now);
+  // Lists mostly change in one place, so the common beginning and end are cut off; all between
+  // counts as changed.
   const size_t shorter = std::min(before.size(), after.size());
   size_t first = 0;
   while (first < shorter && areSame(before[first], after[first], redrawn)) ++first;
@@ -77,6 +80,7 @@ std::vector<ScreenArea> changedAreas(std::span<const DrawnList> last,
                                      std::span<const DrawnList> now,
                                      std::span<const uint64_t> redrawn, const ScreenArea& all) {
   const auto same_name = [](const DrawnList& a, const DrawnList& b) { return a.name == b.name; };
+  // Another list or another order: windows may cover each other in a new way.
   if (!std::ranges::equal(last, now, same_name)) return {all};
   std::vector<ScreenArea> areas;
   for (size_t i = 0; i < now.size(); ++i) {

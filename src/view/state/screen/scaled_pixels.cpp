@@ -23,6 +23,7 @@ std::vector<Place> placesOf(int from, int to) {
   std::vector<Place> places(static_cast<size_t>(to));
   const double scale = static_cast<double>(from) / to;
   for (int i = 0; i < to; ++i) {
+    // Pixels are sampled at their middles.
     const double at = std::clamp((i + 0.5) * scale - 0.5, 0.0, from - 1.0);
     const auto first = static_cast<uint32_t>(at);
     const auto last = static_cast<uint32_t>(from - 1);
@@ -35,6 +36,7 @@ std::vector<Place> placesOf(int from, int to) {
 
 // Two of the four channels at once, each in a half of the number.
 uint32_t between(uint32_t a, uint32_t b, uint32_t share) {
+  // 255 * 256 + 128 fits into 16 bits, so a channel never carries into the one above it.
   constexpr uint32_t kEven = 0x00FF00FFU, kHalf = 0x00800080U;
   const uint32_t rest = 256 - share;
   const uint32_t even = (((a & kEven) * rest + (b & kEven) * share + kHalf) >> 8U) & kEven;

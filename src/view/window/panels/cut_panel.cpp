@@ -82,6 +82,7 @@ void planes(WindowState& window) {
 }  // namespace
 
 int boxHandleAt(const WindowState& window, const Area& area, float pixels, float x, float y) {
+  // The picture that is shown may be older than the view, and the handles belong to what is seen.
   const ViewState& shown = window.shown.picture.state;
   if (!window.isOpen() || !shown.crop) return -1;
   constexpr double kReach = 10;  // screen units
@@ -99,6 +100,7 @@ int boxHandleAt(const WindowState& window, const Area& area, float pixels, float
 void dragBoxHandle(WindowState& window, int face, float dx, float dy, float pixels) {
   PictureOptions::Box box = boxOf(window);
   const auto axis = static_cast<size_t>(face / 2);
+  // The movement of the pointer is measured along the axis as the pane shows it.
   // How a voxel along the axis is seen.
   std::array<double, 3> voxel = faceOf(box, face);
   const auto here =
@@ -108,6 +110,7 @@ void dragBoxHandle(WindowState& window, int face, float dx, float dy, float pixe
       paneOf(window.state().view, worldOf(window, voxel), window.pane, window.volume.ground);
   if (!here || !next) return;
   const double ax = next->x - here->x, ay = next->y - here->y, length = ax * ax + ay * ay;
+  // The axis points at the eye, so no movement tells anything.
   if (length < 1e-12) return;
   // Parts of a voxel are kept for the next movement.
   window.pointer.handle_rest += static_cast<double>(pixels) *

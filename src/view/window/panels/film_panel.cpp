@@ -72,6 +72,7 @@ void keyFrames(WindowState& window) {
   for (size_t i = 0; i < keys.size(); ++i)
     if (keyRow(window, i)) removed = i;
   if (!removed) return;
+  // A film that is shown would go on with frames of a path that is gone.
   endFilm(window);
   keys.erase(keys.begin() + static_cast<std::ptrdiff_t>(*removed));
 }

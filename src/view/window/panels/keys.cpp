@@ -155,6 +155,7 @@ void film(WindowState& window, const ImGuiIO& io) {
 
 void takeKeys(WindowState& window) {
   const ImGuiIO& io = ImGui::GetIO();
+  // Letters that are typed into a field are no commands.
   if (io.WantTextInput) return;
   // Takes '?' as the keyboard layout has it: Shift and slash on many, a key of its own on others.
   for (const ImWchar typed : io.InputQueueCharacters)

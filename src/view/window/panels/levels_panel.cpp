@@ -52,6 +52,7 @@ void squares(size_t count, size_t columns, const Color& color) {
 
 ImU32 chunkColor(uint32_t chunk) {
   if (chunk == 0) return IM_COL32(60, 62, 66, 255);
+  // The golden ratio spreads the hues of numbers that follow each other.
   const float hue = std::fmod(static_cast<float>(chunk) * 0.618034F, 1.0F);
   float r = 0, g = 0, b = 0;
   ImGui::ColorConvertHSVtoRGB(hue, 0.55F, 0.85F, r, g, b);

@@ -129,12 +129,14 @@ void entries(WindowState& window, const std::vector<const FolderEntry*>& shown) 
     window.log.control("entry " + entry.name);
   }
   ImGui::EndChild();
+  // A copy, since going to a folder clears the list that the entry is in.
   if (chosen != nullptr) enter(window, FolderEntry(*chosen));
 }
 
 void recentOnes(WindowState& window) {
   if (window.settings.recent.empty()) return;
   ImGui::TextDisabled("recent");
+  // A copy, since opening one changes the list.
   const std::vector<std::string> recent = window.settings.recent;
   for (size_t i = 0; i < recent.size(); ++i) {
     ImGui::PushID(static_cast<int>(i));
@@ -172,6 +174,7 @@ void nameLine(WindowState& window, const std::vector<const FolderEntry*>& shown)
 }  // namespace
 
 void openWindow(WindowState& window) {
+  // A window that was started without a volume begins with the dialog.
   if (!window.isOpen() && window.status.doing == DeskStatus::Doing::kNothing &&
       window.request.volume.paths.empty())
     window.panels.shows_open = true;

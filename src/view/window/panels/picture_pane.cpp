@@ -84,6 +84,7 @@ void hover(WindowState& window, const Area& area) {
 }  // namespace
 
 void picturePane(WindowState& window, const Area& area, float pixels) {
+  // In pixels, which are smaller than screen units on dense screens.
   window.pane = {std::max(1, static_cast<int>(std::lround(area.width * pixels))),
                  std::max(1, static_cast<int>(std::lround(area.height * pixels)))};
   ImGui::SetNextWindowPos({area.x, area.y});
@@ -105,6 +106,7 @@ void picturePane(WindowState& window, const Area& area, float pixels) {
     to.AddImage(shown.texture.id(), lo, hi, {0, 0}, {1, 1}, IM_COL32(255, 255, 255, alpha));
   }
   ImGui::SetCursorScreenPos(lo);
+  // The button takes the clicks on the picture, so that a drag that leaves the pane goes on.
   ImGui::InvisibleButton("hand", {std::max(1.0F, area.width), std::max(1.0F, area.height)},
                          ImGuiButtonFlags_MouseButtonLeft | ImGuiButtonFlags_MouseButtonRight |
                              ImGuiButtonFlags_MouseButtonMiddle);
@@ -113,6 +115,7 @@ void picturePane(WindowState& window, const Area& area, float pixels) {
   Pointer& pointer = window.pointer;
   const bool is_over = ImGui::IsItemHovered();
   if (window.isOpen()) {
+    // The point is centred when the answer comes (takeProbe()).
     if (is_over && ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left)) {
       pointer.centers = true;
       pointer.question = window.desk.probe((io.MousePos.x - area.x) / area.width,
@@ -124,6 +127,7 @@ void picturePane(WindowState& window, const Area& area, float pixels) {
       if (pointer.handle >= 0 && pointer.does == Does::kOrbit) pointer.does = Does::kHandle;
     }
     if (ImGui::IsItemActive() && pointer.does != Does::kNothing) {
+      // Each event of the pointer by itself: one sum of them would cut corners.
       for (const PanePoint& step : pointer.steps) drag(window, step, pixels);
     } else if (is_over && io.MouseWheel != 0) {
       window.edit([&](ViewState& next) {

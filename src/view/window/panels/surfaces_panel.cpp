@@ -18,6 +18,7 @@ bool row(WindowState& window, size_t index) {
   window.log.control(fmt::format("remove surface {}", index));
   ImGui::SameLine();
   const ShownLook& look = window.volume.look;
+  // A surface that was just added is not in the picture yet.
   const bool is_drawn = index < look.surfaces.size();
   const Rgb rgb = is_drawn ? look.surfaces[index].rgb : colorAt(look, surface.value);
   if (const auto chosen = colorField(rgb))
@@ -48,6 +49,7 @@ void surfacesPanel(WindowState& window) {
     if (row(window, i)) gone = i;
     ImGui::PopID();
   }
+  // After the loop, which counts the rows.
   if (gone)
     window.edit([&](ViewState& next) {
       next.look.surfaces.erase(next.look.surfaces.begin() + static_cast<std::ptrdiff_t>(*gone));

@@ -90,6 +90,7 @@ void edit(WindowState& window, const Plot& plot) {
   if (!ImGui::IsMouseDown(ImGuiMouseButton_Left)) window.pointer.point.reset();
   if (!takes && !removes && !drags) return;
   ViewState next = window.state();
+  // Any look becomes one of points at the first edit.
   next.look = byPoints(next.look, window.volume.look, window.valueRange());
   OpacityPoints& points = next.look.opacities;
   const auto near =
