@@ -15,14 +15,19 @@ BlendedBlocks takeBlocks(std::span<const BoxDraw>& boxes, size_t channels) {
     while (count < boxes.size() && boxes[count].joins) ++count;
     const std::span<const BoxDraw> of_block = boxes.first(count);
     const Vec3d scale = of_block.front().texels.indexScale();
+    // One draw call binds one chunk a channel and has one scale, so a block with another one begins
+    // the next call.
     const bool fits = std::ranges::all_of(of_block, [&](const BoxDraw& box) {
       SLUICE_CHECK(box.texels.indexScale() == scale);
       return blocks.chunks[box.channel].value_or(box.chunk) == box.chunk &&
              (blocks.hulls.empty() || blocks.hulls.front().texels.indexScale() == scale);
     });
     if (!fits) break;
+    // The hull is what the rasteriser covers: a pixel that any channel's box covers is drawn once,
+    // with all channels.
     BoxDraw hull = of_block.front();
     for (const BoxDraw& box : of_block) hull.cells = unite(hull.cells, box.cells);
+    // A channel without a box in this block has an empty one, so that each block has as many.
     BoxDraw empty = hull;
     empty.cells.hi = empty.cells.lo;
     const size_t first = blocks.boxes.size();
@@ -96,6 +101,7 @@ void BlendedDrawing::use(Vec3d scale, const std::vector<std::optional<bool>>& ha
                                           blendedFragmentShader(variant));
   program_ = program.get();
   program->use();
+  // Uniforms are a program's own and stay, so each program is told once a frame.
   const bool is_new = told_.insert(variant).second;
   for (size_t c = 0; c < channels_.size(); ++c) {
     const FrameSetup& channel = *channels_[c];

@@ -40,6 +40,7 @@ std::array<double, 2> sliceSpan(const FrameSetup& setup, Vec3d lo, Vec3d hi) {
     const Vec3d p = cornerOf(lo, hi, corner);
     double k = 0;
     if (setup.projection == Projection::kPerspective) {
+      // In perspective w is the depth, and slices lie at equal depths.
       k = (project(setup, p).w - setup.first_depth) / setup.depth_step;
     } else {
       // The slice planes are spanned by origin_dx and origin_dy.
@@ -65,6 +66,7 @@ void addBox(const FrameSetup& setup, const BoxDraw& box, TexelWriter& out) {
   const RayGrid& rays = setup.rays;
   const Vec3d lo = toDouble(box.cells.lo), hi = toDouble(box.cells.hi);
   const auto [near_k, far_k] = sliceSpan(setup, lo, hi);
+  // A pixel's size in index space at the farthest slice, where it is largest.
   const Vec3d pixel = absolute(rays.origin_dx) + absolute(rays.origin_dy) +
                       (absolute(rays.step_dx) + absolute(rays.step_dy)) * std::max(0.0, far_k);
   const Vec3d margin = pixel * kMarginPixels + Vec3d{kMarginVoxels, kMarginVoxels, kMarginVoxels};
@@ -76,6 +78,8 @@ void addBox(const FrameSetup& setup, const BoxDraw& box, TexelWriter& out) {
     out.add(clip.x, clip.y, clip.w, faces);
   }
   // Slice numbers stay exact in single precision up to 2^24.
+  // Places are counted from the box's first slice, since far numbers of slices would lose digits in
+  // single precision.
   const double first_k = std::max(static_cast<double>(setup.first_slice), std::floor(near_k));
   const int turn = box.texels.axes[2];
   out.add(lo - rays.origin0, first_k);

@@ -33,6 +33,7 @@ bool comesFromBelow(const FrameSetup& setup, int axis, int64_t at) {
 void appendParts(const FrameSetup& setup, const Box3& cells, double most_slices,
                  std::vector<Box3>& parts) {
   const Vec3i size = cells.size();
+  // The longest axis is halved, so that parts stay near cubes, whose slices are few.
   const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
   if (size[axis] < 2 || slicesAcross(setup, cells) <= most_slices) {
     parts.push_back(cells);
@@ -40,6 +41,7 @@ void appendParts(const FrameSetup& setup, const Box3& cells, double most_slices,
   }
   Box3 low = cells, high = cells;
   low.hi[axis] = high.lo[axis] = cells.lo[axis] + size[axis] / 2;
+  // Front to back: the half that rays meet first is drawn first.
   if (!comesFromBelow(setup, axis, low.hi[axis])) std::swap(low, high);
   appendParts(setup, low, most_slices, parts);
   appendParts(setup, high, most_slices, parts);
@@ -60,6 +62,8 @@ std::vector<BoxDraw> cutDeepBoxes(const FrameSetup& setup, std::span<const BoxDr
     while (count < boxes.size() && boxes[count].joins) ++count;
     const std::span<const BoxDraw> joined = boxes.first(count);
     boxes = boxes.subspan(count);
+    // Boxes that are blended together are cut at the same planes, so that the parts still fit
+    // together.
     Box3 hull = joined.front().cells;
     for (const BoxDraw& box : joined) hull = unite(hull, box.cells);
     std::vector<Box3> parts;
@@ -69,6 +73,7 @@ std::vector<BoxDraw> cutDeepBoxes(const FrameSetup& setup, std::span<const BoxDr
       for (BoxDraw box : joined) {
         box.cells = intersect(box.cells, part);
         if (box.cells.empty()) continue;
+        // The first of each part begins a block, and the others join it.
         box.joins = std::exchange(joins, true);
         result.push_back(box);
       }

@@ -54,6 +54,8 @@ std::vector<DrawingPiece> DrawingPieces::cut(std::span<const BoxDraw> boxes) {
       continue;
     }
     const Rows rows = rowsOf(boxes[i].cells);
+    // One box alone has too many samples: it is drawn in bands of rows, which the driver finishes
+    // one by one.
     const int bands = std::min(static_cast<int>(std::min(std::ceil(samples / most_samples_), 1e6)),
                                std::max(1, rows.hi - rows.lo));
     for (int band = 0; band < bands; ++band) {
@@ -62,6 +64,7 @@ std::vector<DrawingPiece> DrawingPieces::cut(std::span<const BoxDraw> boxes) {
       };
       pieces.push_back({i, 1, row(band), row(band + 1), piece.waits || band > 0});
     }
+    // So that whatever follows waits first.
     since_wait_ = most_samples_;
     piece = {.first = i + 1, .row_hi = height};
   }

@@ -129,9 +129,11 @@ void GlDevice::bindTarget() {
   gl_.Viewport(0, -frame_rows_.lo, setup_.size.width, setup_.size.height);
   const std::array<GLenum, 2> outputs = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1};
   gl_.DrawBuffers(variant_.with_depth || variant_.counts_taken ? 2 : 1, outputs.data());
+  // The attenuated mode reads the second texture, which must not be a target at the same time.
   target_.attachSecond(variant_.combining != Combining::kAttenuated);
   setBlending(traitsOf(setup_.mode).combining);
   gl_.Enable(GL_CULL_FACE);
+  // Back faces, so that a box around the eye is drawn too, and each pixel of a box once.
   gl_.CullFace(GL_FRONT);
   gl_.FrontFace(isMirrored(setup_) ? GL_CW : GL_CCW);
   // Boxes lie at half depth, marked pixels at none; see OcclusionPasses.
@@ -236,6 +238,7 @@ void GlDevice::drawOverKept(std::span<const BoxDraw> boxes, int row_lo, int row_
     const int lo = std::max(rows.lo, row_lo), hi = std::min(rows.hi, row_hi);
     if (lo >= hi) continue;
     gl_.ActiveTexture(GL_TEXTURE0 + kKeptUnit);
+    // A box reads what lies before it, so boxes are drawn one by one, each with a copy of its rows.
     target_.keepRows(lo - frame_rows_.lo, hi - frame_rows_.lo);
     drawBoxes(boxes.subspan(i, 1));
   }
@@ -308,6 +311,7 @@ void GlDevice::drawBlended(std::span<const BoxDraw> boxes) {
 template <class Draw>
 void GlDevice::drawPieces(std::span<const BoxDraw> boxes, const Draw& draw) {
   for (DrawingPiece piece : pieces_->cut(boxes)) {
+    // A stop takes effect only if the driver is not ahead by seconds of work.
     if (piece.waits) gl_.Finish();
     stop_.throwIfStopped();
     piece.row_lo = std::max(piece.row_lo, frame_rows_.lo);

@@ -46,6 +46,7 @@ void LookTextures::uploadLookUp(const FrameSetup& setup, const ShaderVariant& va
   constexpr GLsizei kLabelRow = 4096;
   const GLsizei row = setup.look_up->labels ? std::min(width, kLabelRow) : width;
   const GLsizei rows = (width + row - 1) / row;
+  // The last row may be filled in part.
   texels.resize(4 * static_cast<size_t>(row) * static_cast<size_t>(rows));
   gl_.TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA32F, row, rows, 0, GL_RGBA, GL_FLOAT, texels.data());
   if (!variant.factor_table) return;
@@ -71,6 +72,7 @@ void LookTextures::setLookUp(const FrameSetup& setup, const ShaderVariant& varia
   }
   // Entry e covers [e, e + 1) / entries of the texture.
   const ValueRange range = setup.look_up->device_range;
+  // A look of one value has no span to divide by; all values then take the first entry.
   const double span = range.hi - range.lo;
   const double per_device = span > 0 ? (entries - 1) / span : 0;
   const double scale = valueScale(setup.type);

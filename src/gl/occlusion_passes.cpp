@@ -117,6 +117,7 @@ void OcclusionPasses::resizeDepth(PictureSize size) {
   gl_.BindFramebuffer(GL_FRAMEBUFFER, depth_framebuffer_);
   if (depth_size_.width == size.width && depth_size_.height == size.height) return;
   gl_.BindRenderbuffer(GL_RENDERBUFFER, depth_);
+  // Two depths suffice: marked or not.
   gl_.RenderbufferStorage(GL_RENDERBUFFER, GL_DEPTH_COMPONENT16, size.width, size.height);
   gl_.FramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, depth_);
   const GLenum none = GL_NONE;
@@ -160,6 +161,7 @@ std::vector<float> OcclusionPasses::leastOpacity(GLuint color, PictureSize size,
   const double sign = dot(rows[0], cross(rows[1], rows[2])) < 0 ? -1 : 1;
   const Vec3d columns[3] = {cross(rows[1], rows[2]) * sign, cross(rows[2], rows[0]) * sign,
                             cross(rows[0], rows[1]) * sign};
+  // Divided by the longest column, so that single precision holds the numbers.
   const double largest = std::max({length(columns[0]), length(columns[1]), length(columns[2])});
   constexpr const char* kRows[3] = {"map_x", "map_y", "map_w"};
   for (int i = 0; i < 3; ++i)

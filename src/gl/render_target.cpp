@@ -25,6 +25,7 @@ RenderTarget::~RenderTarget() {
 void RenderTarget::resize(PictureSize size) {
   if (size.width == size_.width && size.height == size_.height) return;
   size_ = {0, 0};  // until the driver has agreed to all of it
+  // Errors from before are not of this allocation.
   while (gl_.GetError() != GL_NO_ERROR) {
   }
   if (framebuffer_ == 0) {
@@ -39,6 +40,7 @@ void RenderTarget::resize(PictureSize size) {
     gl_.FramebufferTexture2D(GL_FRAMEBUFFER, static_cast<GLenum>(attachment), GL_TEXTURE_2D,
                              texture, 0);
   }
+  // A driver without memory for it may say so by either.
   if (gl_.GetError() != GL_NO_ERROR ||
       gl_.CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
     failSystem("the GL driver cannot draw a float picture of {} x {} pixels", size.width,
@@ -109,6 +111,7 @@ void RenderTarget::turn() {
     gl_.FramebufferTexture2D(GL_DRAW_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, turned_, 0);
     turned_size_ = size_;
   }
+  // Turned on the device, since turning rows on the processor copies the picture once more.
   gl_.BlitFramebuffer(0, 0, size_.width, size_.height, 0, size_.height, size_.width, 0,
                       GL_COLOR_BUFFER_BIT, GL_NEAREST);
   gl_.BindFramebuffer(GL_FRAMEBUFFER, turned_framebuffer_);

@@ -34,6 +34,7 @@ void main() {
 
 ScreenTextures::~ScreenTextures() {
   for (Slot& slot : slots_) {
+    // The window holds it still, and deletes it when it lets go (Texture::letGo()).
     if (slot.seen.use_count() > 1) continue;
     gl_.DeleteSync(slot.drawn);
     gl_.DeleteSync(static_cast<GLsync>(slot.seen->load()));
@@ -72,6 +73,7 @@ ScreenTextures::Slot& ScreenTextures::freeSlot(PictureSize size) {
   }
   if (slot->drawn != nullptr) gl_.DeleteSync(slot->drawn);
   slot->drawn = nullptr;
+  // The window's last commands that read the texture come before what is drawn over it.
   if (const auto seen = static_cast<GLsync>(slot->seen->exchange(nullptr))) {
     gl_.WaitSync(seen, 0, GL_TIMEOUT_IGNORED);
     gl_.DeleteSync(seen);

@@ -33,13 +33,16 @@ void writeAll(int file, std::string_view bytes) {
 }
 
 [[noreturn]] void runChild(const std::function<std::string()>& work, int out, pid_t parent) {
+  // A child whose driver hangs must not outlive the program.
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() != parent) _exit(1);  // it ended before the line above
+  // A crash is an expected answer, not worth a core file.
   const rlimit no_core{0, 0};
   setrlimit(RLIMIT_CORE, &no_core);
   // A crash shall show as its signal, whatever handlers the program or a sanitizer installed.
   for (const int number : {SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGABRT, SIGINT, SIGTERM})
     (void)signal(number, SIG_DFL);
+  // Drivers print to both.
   const int nowhere = open("/dev/null", O_RDWR | O_CLOEXEC);
   if (nowhere >= 0) {
     dup2(nowhere, STDOUT_FILENO);
@@ -90,6 +93,7 @@ ChildAnswer runInChild(const std::function<std::string()>& work,
     failErrno("cannot start a process", error);
   }
   if (child == 0) runChild(work, ends[1], parent);
+  // Else the read below would never see the end of the pipe.
   close(ends[1]);
   ChildAnswer result;
   const bool in_time = readAll(ends[0], Clock::now() + timeout, result.answer);

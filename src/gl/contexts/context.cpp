@@ -127,6 +127,7 @@ void GlContext::makeCurrent() {
   GlContext*& current = currentOfThread();
   if (current == this) return;
   if (current != nullptr) current->release();
+  // Current only once bind() has not thrown.
   bind();
   current = this;
 }
@@ -151,6 +152,7 @@ void GlContext::describe(const GlLoader& loader) {
   for (int i = 0; i < count; ++i)
     extensions_.emplace_back(reinterpret_cast<const char*>(
         functions_.GetStringi(GL_EXTENSIONS, static_cast<GLuint>(i))));
+  // For has().
   std::ranges::sort(extensions_);
 }
 

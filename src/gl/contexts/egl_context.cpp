@@ -43,6 +43,7 @@ struct EglApi {
         create_context(library.get<PFNEGLCREATECONTEXTPROC>("eglCreateContext")),
         destroy_context(library.get<PFNEGLDESTROYCONTEXTPROC>("eglDestroyContext")),
         make_current(library.get<PFNEGLMAKECURRENTPROC>("eglMakeCurrent")) {
+    // Extensions of the client, which are there before any display (EGL_EXT_client_extensions).
     const char* const client = query_string(EGL_NO_DISPLAY, EGL_EXTENSIONS);
     if (contains(client, "EGL_EXT_platform_base"))
       load(get_platform_display, "eglGetPlatformDisplayEXT");
@@ -155,6 +156,7 @@ class EglContext : public GlContext {
       handle_ = egl_.create_context(display_, config, EGL_NO_CONTEXT, attributes.data());
       if (handle_ != EGL_NO_CONTEXT) return;
     }
+    // Taken before another call replaces it.
     const EGLint error = egl_.get_error();
     destroySurface();
     failSystem("EGL offers no core profile of 3.3 or higher ({:#06x})", error);

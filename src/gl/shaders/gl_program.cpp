@@ -50,7 +50,9 @@ void GlProgram::ofChannel(size_t channel) {
 }
 
 GLint GlProgram::locate(const char* name) {
+  // The text of a channel has its own names, see ofChannel().
   const std::string whole = name + suffix_;
+  // Asking the driver for a location takes longer than setting the number.
   const auto found = locations_.find(whole);
   if (found != locations_.end()) return found->second;
   return locations_.emplace(whole, gl_.GetUniformLocation(program_, whole.c_str())).first->second;

@@ -88,6 +88,7 @@ constexpr const char* kOfChannels[] = {
 // The text of one channel: the same as that of a single one, with names of its own.
 std::string channelText(const ShaderVariant& variant, size_t channel) {
   std::string text = undefined(), after;
+  // Each channel's text is compiled with its own definitions.
   text += definitions(variant) + "#undef TEXEL_SCALE\n#undef LABEL_ROW\n";
   for (const char* name : kOfChannels) {
     text += fmt::format("#define {0} {0}_{1}\n", name, channel);

@@ -96,6 +96,7 @@ void setVisible(const FrameSetup& setup, GlProgram& program) {
 // The surfaces that a program draws.
 std::vector<SurfaceLevel> surfacesOf(const FrameSetup& setup, bool beside) {
   std::vector<SurfaceLevel> surfaces = setup.look_up->surfaces;
+  // Only opaque surfaces are drawn beside a block where levels meet, so that none is blended twice.
   if (beside) std::erase_if(surfaces, [](const SurfaceLevel& each) { return each.opacity < 1; });
   return surfaces;
 }
@@ -226,6 +227,7 @@ void setView(const FrameSetup& setup, PictureRows rows, GlProgram& program) {
   if (setup.depth_cueing > 0) setCueing(setup, program);
   Floats planes;
   for (const ClipPlane& plane : setup.clip_planes)
+    // From the rays' common origin, since positions far from it lose digits in single precision.
     planes.add(plane.normal).add(plane.offset - dot(plane.normal, rays.origin0));
   if (!setup.clip_planes.empty())
     program.set4("clip_planes", planes.data(), static_cast<int>(setup.clip_planes.size()));
