@@ -9,7 +9,8 @@
 namespace sluice {
 namespace {
 
-// Labels have opacities of their own. Points given with a file replace those in the file.
+// Labels have opacities of their own. --opacities may stand beside --transfer, whose points it
+// replaces.
 constexpr std::array kApart = std::to_array<OptionPair>({
     {"--threshold", "--transfer"},
     {"--threshold", "--opacities"},

@@ -47,6 +47,7 @@ void addWords(std::vector<OptionWord>& words, const EntryOf<Subject>& entry,
   if (!entry.kind.flags.empty()) {
     const auto at =
         std::find(entry.kind.words.begin(), entry.kind.words.end(), std::get<std::string>(value));
+    // The first word of a list is the default and has no flag.
     const auto flag = entry.kind.flags[static_cast<size_t>(at - entry.kind.words.begin())];
     if (!flag.empty()) words.emplace_back(flag, "");
   } else if (entry.kind.form == OptionForm::kFlag) {
@@ -73,6 +74,7 @@ std::vector<OptionWord> optionWords(const ViewState& state,
   std::vector<const OptionEntry*> entries;
   for (const OptionEntry& entry : optionTable())
     if (!entry.option.empty() && takes(entry)) entries.push_back(&entry);
+  // The order in which people read a command, which differs from that of the table.
   std::sort(entries.begin(), entries.end(),
             [](const OptionEntry* a, const OptionEntry* b) { return a->turn < b->turn; });
   std::vector<OptionWord> words;
