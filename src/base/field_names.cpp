@@ -34,6 +34,7 @@ bool beginsOption(std::string_view line, size_t at) {
 std::string renamed(std::string_view line,
                     const std::function<std::string(std::string_view option)>& nameOf) {
   std::string given(line);
+  // Phrases go before the options in them are replaced one by one.
   for (const Rewording& phrase : kPhrases)
     for (size_t at = 0; (at = given.find(phrase.option, at)) != std::string::npos;
          at += phrase.field.size())

@@ -22,6 +22,7 @@ namespace {
 // kept if the system has no name for the target (the pipe behind /dev/stdout).
 std::filesystem::path followed(std::filesystem::path path) {
   std::error_code status;
+  // Links may lead in a circle; 40 is also the most that Linux follows (path_resolution(7)).
   for (int hops = 0; hops < 40 && std::filesystem::is_symlink(path, status); ++hops) {
     if (std::filesystem::exists(path, status)) {
       const std::filesystem::path target = std::filesystem::canonical(path, status);
@@ -72,6 +73,7 @@ int openDirectly(const std::filesystem::path& path) {
   constexpr auto kPause = std::chrono::milliseconds(100);
   int file = -1;
   for (int i = 0; i < kTries; ++i) {
+    // Without waiting: a plain open of a pipe blocks until a reader comes, and no stop ends that.
     file = open(path.c_str(), O_WRONLY | O_CLOEXEC | O_NONBLOCK);
     if (file >= 0 || errno != ENXIO) break;
     std::this_thread::sleep_for(kPause);
@@ -85,6 +87,7 @@ int openDirectly(const std::filesystem::path& path) {
 }  // namespace
 
 AtomicFile::AtomicFile(std::filesystem::path path) : path_(followed(std::move(path))) {
+  // The system would take the name up to there.
   if (const size_t zero = path_.native().find('\0'); zero != std::string::npos)
     failRequest("{}: cannot be written: the name has a zero byte after this",
                 path_.native().substr(0, zero));
@@ -96,6 +99,7 @@ AtomicFile::AtomicFile(std::filesystem::path path) : path_(followed(std::move(pa
   if (std::filesystem::is_directory(status))
     failRequest("{}: is a folder; give the name of a file", path_.string());
   if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
+    // A device or a pipe keeps its place; nothing can be renamed over it.
     temporary_ = path_;
     file_.reset(openDirectly(temporary_));
   } else {
@@ -128,6 +132,8 @@ void AtomicFile::writeAt(uint64_t offset, std::span<const std::byte> bytes) {
 
 void AtomicFile::commit() {
   if (temporary_ != path_) {
+    // The bytes are on the disk before the name is: a crash leaves the old file or the whole new
+    // one.
     if (fsync(file_.get()) != 0) failErrno(fmt::format("{}: write failed", path_.string()), errno);
     if (rename(temporary_.c_str(), path_.c_str()) != 0)
       failErrno(fmt::format("{}: cannot be renamed into place", path_.string()), errno);

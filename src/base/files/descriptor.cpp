@@ -69,6 +69,7 @@ Descriptor openAlone(const std::string& path) {
     try {
       if (!lockAlone(file.get(), path)) return Descriptor();
     } catch (const Error&) {
+      // An empty file is one that this call has made.
       if (opened.st_size == 0) unlink(path.c_str());
       throw;
     }

@@ -99,6 +99,7 @@ bool hasEntry(const Existing& file, std::string_view key, std::string_view value
   std::ifstream in(file.path, std::ios::binary);
   EntrySearch search(key, value);
   // A log has an object a line; lines after the first do not matter.
+  // As a stream of events, so that a long report takes no memory.
   nlohmann::json::sax_parse(in, &search, nlohmann::json::input_format_t::json, false);
   return search.isFound();
 }
@@ -247,6 +248,7 @@ bool mayReplace(const fs::path& path, FileKind kind) {
   struct stat status {};
   if (stat(path.c_str(), &status) != 0) return errno == ENOENT || errno == ENOTDIR;
   if (S_ISDIR(status.st_mode)) return false;
+  // Devices and empty files have nothing to lose.
   if (!S_ISREG(status.st_mode) || status.st_size == 0) return true;
   return rowOf(kind).is_ours({path, startOf(path)});
 }

@@ -31,6 +31,8 @@ Character firstCharacter(std::string_view text) {
   const auto byteAt = [&](size_t i) { return static_cast<unsigned char>(text[i]); };
   const unsigned first = byteAt(0);
   if (first < 0x80) return {first, 1};
+  // Lead bytes of UTF-8 (RFC 3629): 0xc0 and 0xc1 would only begin overlong forms, and 0xf5 on lies
+  // beyond U+10FFFF.
   const size_t bytes = first < 0xc2   ? 0
                        : first < 0xe0 ? 2
                        : first < 0xf0 ? 3
@@ -94,6 +96,8 @@ nlohmann::json parseJson(std::string_view text, const std::string& where) {
   using Event = nlohmann::json::parse_event_t;
   std::vector<std::set<std::string>> keys;  // one set for each open object
   const auto check = [&](int depth, Event event, nlohmann::json& value) {
+    // The library's parser and destructor recurse, so that a file of brackets would overflow the
+    // stack.
     if (depth > kDeepest)
       fail("{}: expected at most {} levels of nesting, found more", where, kDeepest);
     if (event == Event::object_start) keys.emplace_back();
@@ -154,6 +158,7 @@ double JsonField::number() const {
 }
 
 int64_t JsonField::whole() const {
+  // The library returns unsigned numbers above 2^63 - 1 as negative ones.
   const bool fits = value_->is_number_unsigned()
                         ? value_->get<uint64_t>() <= uint64_t{std::numeric_limits<int64_t>::max()}
                         : value_->is_number_integer();

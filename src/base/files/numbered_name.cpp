@@ -37,6 +37,7 @@ std::optional<NumberPlace> numberPlace(const std::string& name, const std::strin
     place.digits = static_cast<int>(place.length);
   } else {
     const size_t end = file.find_first_not_of("0123456789", percent + 1);
+    // At most two digits, so that std::stoi() cannot overflow.
     if (end == std::string::npos || file[end] != 'd' || end - percent > 3) refuse();
     place = {percent, end + 1 - percent,
              end == percent + 1 ? 1 : std::stoi(file.substr(percent + 1, end - percent - 1))};

@@ -50,6 +50,7 @@ class Replacers {
   explicit Replacers(const fs::path& file) {
     for (const fs::path& path : {file, file.parent_path()}) {
       struct stat status {};
+      // Anybody may replace the program, or nobody knows who: then no module is trusted.
       if (stat(path.c_str(), &status) != 0 || (status.st_mode & S_IWOTH) != 0) return;
       if ((status.st_mode & S_IWGRP) != 0) groups_.push_back(status.st_gid);
       if (path == file) owner_ = status.st_uid;
@@ -94,6 +95,7 @@ std::string modulePath(const std::string& file) {
     path = (program.parent_path() / folder / file).lexically_normal();
     std::error_code unknown;
     if (!fs::exists(path, unknown)) continue;
+    // A relative folder moves with the program, for instance to a folder that others can write to.
     if (folder.is_absolute() || isTrusted(program, path)) return path.string();
     if (!refused) refused = path;
   }
@@ -112,6 +114,7 @@ SharedLibrary openModule(const ProgramModule& module) {
   const std::string path = modulePath(module.file);
   SharedLibrary library(std::span(&path, 1), module.hint);
   const std::string_view version = library.get<const char* (*)()>(module.version_function)();
+  // Both share C++ classes, whose layout changes from version to version.
   if (version != module.version)
     failSystem("{} belongs to sluice {}, expected {}; install sluice again", path, version,
                module.version);

@@ -101,6 +101,7 @@ std::string escapedWord(std::string_view word) {
 std::string shellWord(std::string_view word) {
   const bool is_plain = !word.empty() && std::all_of(word.begin(), word.end(), [](char c) {
     return std::isalnum(static_cast<unsigned char>(c)) != 0 ||
+           // These mean nothing to any shell.
            std::string_view("-_./,:=+%@").find(c) != std::string_view::npos;
   });
   if (is_plain) return std::string(word);

@@ -24,6 +24,7 @@ static_assert(std::atomic<State>::is_always_lock_free);  // a signal handler may
 
 TemporaryName::TemporaryName(const std::filesystem::path& path) {
   const std::string& name = path.native();
+  // Such a name is not removed after a signal; nothing else is lost.
   if (name.size() >= slots.front().path.size()) return;
   for (size_t i = 0; i < slots.size() && slot_ < 0; ++i) {
     State free = State::kFree;

@@ -17,6 +17,7 @@ namespace {
 class Opened {
  public:
   explicit Opened(const std::filesystem::path& path)
+      // Without waiting, so that a stop reaches a read from a pipe into which nobody writes.
       : number(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)) {
     if (number < 0) failErrno(fmt::format("{}: cannot be read", path.string()), errno);
   }
@@ -60,6 +61,7 @@ std::string readTextFile(const std::filesystem::path& path, uint64_t most_bytes,
     if (got < 0) failErrno(fmt::format("{}: cannot be read", path.string()), errno);
     if (got == 0) return text;
     text.append(piece.data(), static_cast<size_t>(got));
+    // Checked as it comes, since a device or a pipe has no size.
     if (text.size() > most_bytes)
       fail("{}: expected {} of at most {}, found more", path.string(), what,
            formatBytes(most_bytes));

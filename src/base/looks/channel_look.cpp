@@ -26,6 +26,7 @@ bool isLabelTable(std::string_view map) {
 
 std::optional<ChannelLook> parseChannelLook(std::string_view text) {
   const std::string_view head = text.substr(0, text.find(','));
+  // The last colon, since names of channels may have some.
   const size_t colon = head.rfind(':');
   if (colon == std::string_view::npos || colon == 0) return std::nullopt;
   ChannelLook look{.channel = std::string(head.substr(0, colon)),
@@ -34,6 +35,7 @@ std::optional<ChannelLook> parseChannelLook(std::string_view text) {
     const size_t end = std::min(text.find(',', at + 1), text.size());
     const std::string_view part = text.substr(at + 1, end - at - 1);
     const bool is_range = part.find(':') != std::string_view::npos;
+    // A range comes before the opacity, and each once.
     if (is_range ? look.range || look.opacity : look.opacity.has_value()) return std::nullopt;
     if (is_range) {
       look.range = rangeOf(part);

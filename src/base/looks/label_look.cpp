@@ -20,6 +20,7 @@ bool readLabels(std::string_view text, LabelLook& look) {
   const auto first = numberOf(text.substr(0, hyphen));
   const auto last = hyphen == text.npos ? first : numberOf(text.substr(hyphen + 1));
   if (!first || !last || *first > *last) return false;
+  // Labels are whole numbers.
   if (*first != std::floor(*first) || *last != std::floor(*last)) return false;
   look.first = *first;
   look.last = *last;

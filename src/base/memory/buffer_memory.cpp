@@ -63,6 +63,7 @@ BufferMemory::BufferMemory(uint64_t limit_bytes) : limit_bytes_(limit_bytes) {
   // Without addresses, which a limit on them may deny, the allocator provides the memory.
   const uint64_t bytes = roundedUp(limit_bytes) * kAddressesPerByte;
   void* const mapped = mmap(nullptr, bytes, PROT_READ | PROT_WRITE,
+                            // Without reserving: the kernel counts only pages that are touched.
                             MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
   if (bytes == 0 || mapped == MAP_FAILED) return;
   const MutexLock lock(mutex_);
@@ -81,6 +82,7 @@ BufferMemory::Piece BufferMemory::take(size_t bytes) {
   if (bytes >= kLeastBytes) {
     const uint64_t length = roundedUp(bytes);
     if (const std::optional<uint64_t> at = takeExtent(length))
+      // A piece keeps the memory itself alive, whoever lets go of it last.
       return {begin_ + *at, [self = shared_from_this(), at = *at, length](std::byte*) {
                 self->giveBack(at, length);
               }};
@@ -90,6 +92,7 @@ BufferMemory::Piece BufferMemory::take(size_t bytes) {
 
 std::optional<uint64_t> BufferMemory::takeExtent(uint64_t length) {
   const MutexLock lock(mutex_);
+  // Idle pages are in memory already: using them again takes no page fault.
   if (const std::optional<uint64_t> at = idle_.take(length)) return at;
   makeRoom(length);
   const std::optional<uint64_t> at = empty_.take(length);
@@ -100,6 +103,7 @@ std::optional<uint64_t> BufferMemory::takeExtent(uint64_t length) {
 void BufferMemory::makeRoom(uint64_t length) {
   while (held_bytes_ + length > limit_bytes_ && !idle_.empty()) {
     const Extents::Part part = idle_.takeLast(roundedUp(held_bytes_ + length - limit_bytes_));
+    // The addresses stay, the pages go back to the system and read as zeros.
     madvise(begin_ + part.at, part.length, MADV_DONTNEED);
     empty_.add(part.at, part.length);
     held_bytes_ -= part.length;

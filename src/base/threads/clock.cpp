@@ -21,6 +21,7 @@ double processorSeconds() {
 uint64_t peakResidentBytes() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
+  // Linux counts in kilobytes (getrusage(2)).
   return static_cast<uint64_t>(usage.ru_maxrss) * 1024;
 }
 

@@ -90,6 +90,8 @@ void WorkerPool::parallelFor(int64_t count, const std::function<void(int64_t)>& 
   loop->count = count;
   loop->body = &body;
   const int64_t helpers = std::min<int64_t>(threads_ - 1, count - 1);
+  // The queue may start helpers late or never: the caller takes indices itself, so that a loop
+  // within a loop ends even if all workers are busy.
   for (int64_t i = 0; i < helpers; ++i) submit([loop] { loop->run(); });
   loop->run();
   loop->wait();
@@ -101,6 +103,7 @@ void WorkerPool::work() {
     {
       MutexLock lock(mutex_);
       while (!stopping_ && queue_.empty()) wake_.wait(lock);
+      // Only once the queue is empty: tasks that were submitted are run before the end.
       if (queue_.empty()) return;
       task = std::move(queue_.front());
       queue_.pop_front();

@@ -47,6 +47,7 @@ std::optional<uint64_t> parseBytes(std::string_view text) {
   const int power = powerOf(rest(number_end));
   if (power < 0) return std::nullopt;
   const double bytes = std::ldexp(number, 10 * power);
+  // Not a number fails, too.
   if (!(bytes < std::ldexp(1.0, 63))) return std::nullopt;
   return static_cast<uint64_t>(bytes);
 }
@@ -56,6 +57,7 @@ std::string formatBytes(uint64_t bytes) {
   constexpr std::array<const char*, 6> kUnits = {"KiB", "MiB", "GiB", "TiB", "PiB", "EiB"};
   double value = static_cast<double>(bytes) / 1024;
   size_t unit = 0;
+  // 1023.95 would be printed as 1024.0.
   while (value >= 1023.95 && unit + 1 < kUnits.size()) {
     value /= 1024;
     ++unit;

@@ -48,6 +48,7 @@ double percentile(const Histogram& histogram, double share) {
     }
     below += count;
   }
+  // Rounding may leave the sum a little below the wanted count.
   return binEdge(histogram, last + 1);
 }
 

@@ -18,6 +18,7 @@ uint8_t toByte(float value) {
 }
 
 float linearOf(float shown) {
+  // The transfer function of sRGB (IEC 61966-2-1).
   constexpr float kLinearPart = 0.04045F;
   return shown <= kLinearPart ? shown / 12.92F : std::pow((shown + 0.055F) / 1.055F, 2.4F);
 }
@@ -40,6 +41,7 @@ std::vector<uint8_t> rgba8(std::span<const float> rgba) {
   std::vector<uint8_t> bytes(rgba.size());
   for (size_t i = 0; i < rgba.size(); i += 4) {
     const float alpha = rgba[i + 3];
+    // A transparent pixel has no colour to divide by its opacity.
     if (!(alpha > 0)) continue;
     for (size_t c = 0; c < 3; ++c) bytes[i + c] = toByte(rgba[i + c] / alpha);
     bytes[i + 3] = toByte(alpha);
@@ -75,6 +77,7 @@ Picture toLinearLight(const Picture& picture) {
     const float alpha = result.rgba[i + 3];
     if (!(alpha > 0)) continue;
     for (size_t c = 0; c < 3; ++c)
+      // The curve holds for the colour itself, so that it is not premultiplied in between.
       result.rgba[i + c] = linearOf(result.rgba[i + c] / alpha) * alpha;
   }
   return result;

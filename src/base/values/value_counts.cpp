@@ -51,7 +51,9 @@ ValueCounts scaled(ValueCounts counts, double scale, double offset) {
     entry.hi = entry.hi * scale + offset;
     if (scale < 0) std::swap(entry.lo, entry.hi);
   }
+  // A negative scale turns the order round.
   if (scale < 0) std::sort(counts.entries.begin(), counts.entries.end(), isBefore);
+  // Larger doubles do not fit into the whole number.
   constexpr double kMost = 1e18;
   counts.jumps =
       static_cast<uint64_t>(std::min(kMost, static_cast<double>(counts.jumps) * std::abs(scale)));
@@ -72,6 +74,7 @@ ValueCounts merged(const ValueCounts& a, const ValueCounts& b) {
       result.entries.push_back(entry);
     }
   }
+  // Pairs lose the exact values, so they are joined only if the list is too long.
   while (result.entries.size() > kMostMerged) joinNeighbors(result.entries);
   result.changes = a.changes + b.changes;
   result.jumps = jumpsTogether(a.jumps, b.jumps);
@@ -84,6 +87,7 @@ ValueCounts inside(const ValueCounts& counts, ValueRange range) {
     if (entry.hi < range.lo || entry.lo > range.hi) continue;
     const double lo = std::max(entry.lo, range.lo), hi = std::min(entry.hi, range.hi);
     if (entry.hi > entry.lo) {
+      // Halves, because the width of a range may overflow.
       const double share = (hi / 2 - lo / 2) / (entry.hi / 2 - entry.lo / 2);
       entry.count = static_cast<uint64_t>(std::llround(share * static_cast<double>(entry.count)));
     }
