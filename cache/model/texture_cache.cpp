@@ -19,6 +19,7 @@ TextureCache::TextureCache(uint64_t pages, uint64_t page_bytes, std::unique_ptr<
 
 TextureCache::Answer TextureCache::request(ChunkId chunk, uint32_t pages, uint64_t bytes) {
   const Key key = keyOf(chunk);
+  // The last answer's spans point into these, and end with this call.
   evicted_keys_.clear();
   evicted_.clear();
   Answer answer;
@@ -34,6 +35,7 @@ TextureCache::Answer TextureCache::request(ChunkId chunk, uint32_t pages, uint64
     counters_.countFailure();
     return answer;
   }
+  // Pages are given back before new ones are taken, so that the lowest free ones are known.
   for (const Key gone : evicted_keys_) {
     release(gone);
     evicted_.push_back(chunk_of_[gone]);
@@ -50,6 +52,7 @@ TextureCache::Answer TextureCache::request(ChunkId chunk, uint32_t pages, uint64
 }
 
 bool TextureCache::pin(ChunkId chunk) {
+  // A chunk that was never requested gets no key here.
   const auto known = keys_.find(chunk);
   return known != keys_.end() && policy_->pin(known->second);
 }
@@ -93,6 +96,8 @@ void TextureCache::resetCounters() {
 
 Key TextureCache::keyOf(ChunkId chunk) {
   if (const auto known = keys_.find(chunk); known != keys_.end()) return known->second;
+  // Keys of chunks that were forgotten are used again, so that arrays by key stay as small as the
+  // chunks in use.
   Key key = static_cast<Key>(chunk_of_.size());
   if (free_keys_.empty()) {
     chunk_of_.push_back(chunk);
@@ -123,6 +128,7 @@ void TextureCache::release(Key key) {
 }
 
 uint32_t TextureCache::takeLowestPage() {
+  // The policy has made room, so that some page is free.
   while (free_pages_[lowest_word_] == 0) ++lowest_word_;
   uint64_t& word = free_pages_[lowest_word_];
   const int bit = std::countr_zero(word);

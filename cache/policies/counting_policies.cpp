@@ -7,6 +7,7 @@ namespace sluice {
 bool PriorityPolicy::goesBefore(uint32_t a, uint32_t b) const {
   const Entry& one = entries_[a];
   const Entry& other = entries_[b];
+  // Of equal priorities, the chunk that was requested longest ago goes first.
   return one.priority != other.priority ? one.priority < other.priority
                                         : one.last_request < other.last_request;
 }
@@ -46,6 +47,7 @@ void PriorityPolicy::onHit(uint32_t index) {
 
 void PriorityPolicy::onMiss(uint32_t index, uint32_t weight) {
   while (isFull(weight)) evictLowest();
+  // Only after the evictions, or the next one would look at the same pinned entries again.
   takeBackPassed();
   admit(index, weight, 0);
   if (entries_.size() < nodes_.size()) entries_.resize(nodes_.size());
@@ -60,6 +62,7 @@ void PriorityPolicy::evictLowest() {
     onRemoval(heap_.front());
   }
   const uint32_t victim = heap_.front();
+  // GDSF's age L becomes the priority of the last victim.
   onEviction(entries_[victim].priority);
   evict(victim);
 }
@@ -79,6 +82,7 @@ void PriorityPolicy::onRemoval(uint32_t index) {
   heap_.pop_back();
   if (last == index) return;
   put(last, hole);
+  // The last entry may belong above or below the hole.
   rise(last);
   sink(last);
 }

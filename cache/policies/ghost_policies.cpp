@@ -6,15 +6,18 @@ namespace sluice {
 
 TwoQPolicy::TwoQPolicy(uint64_t capacity)
     : Policy(capacity),
+      // Johnson and Shasha (1994) suggest a quarter of the cache for In and half of it for Out.
       in_pages_(std::max<uint64_t>(1, capacity / 4)),
       out_pages_(std::max<uint64_t>(1, capacity / 2)) {}
 
 void TwoQPolicy::onHit(uint32_t index) {
+  // A hit in In moves nothing: requests that follow each other closely are one use.
   if (nodes_[index].list == kMain) touch(index);
 }
 
 void TwoQPolicy::onMiss(uint32_t index, uint32_t weight) {
   const bool remembered = isLinked(index);
+  // A request for a chunk that Out remembers is what brings it into the main list.
   if (remembered) unlink(index);
   while (isFull(weight)) {
     const uint32_t from_in = oldestUnpinned(kIn);
@@ -40,6 +43,8 @@ void ArcPolicy::onMiss(uint32_t index, uint32_t weight) {
   const bool remembered = isLinked(index);
   const bool was_in_b2 = remembered && nodes_[index].list == kB2;
   if (remembered) {
+    // Megiddo and Modha (2003): a hit in a ghost list shows that its side is too small, and counts
+    // for more if that list is the shorter one.
     const auto b1 = static_cast<double>(listWeight(kB1));
     const auto b2 = static_cast<double>(listWeight(kB2));
     if (was_in_b2) {
@@ -86,6 +91,7 @@ void ArcPolicy::replace(bool was_in_b2) {
 }
 
 void S3FifoPolicy::onHit(uint32_t index) {
+  // Two bits of frequency (Yang et al. 2023).
   nodes_[index].mark = std::min<uint8_t>(3, nodes_[index].mark + 1);
 }
 
@@ -108,6 +114,7 @@ void S3FifoPolicy::onMiss(uint32_t index, uint32_t weight) {
 void S3FifoPolicy::evictFromSmall() {
   for (uint32_t oldest = oldestUnpinned(kSmall); oldest != kSmall;
        oldest = oldestUnpinned(kSmall)) {
+    // Requested at most once more since it came: it leaves after a short stay, and is remembered.
     if (nodes_[oldest].mark <= 1) {
       evict(oldest);
       pushHead(kGhost, oldest);
@@ -117,6 +124,7 @@ void S3FifoPolicy::evictFromSmall() {
     unlink(oldest);
     nodes_[oldest].mark = 0;
     pushHead(kMain, oldest);
+    // What moves up takes room from the main list, which may not outgrow its share.
     if (isOverMainsShare(listWeight(kMain))) evictFromMain();
   }
 }
@@ -127,6 +135,7 @@ void S3FifoPolicy::evictFromMain() {
       evict(oldest);
       return;
     }
+    // A requested entry gets another round for each count.
     --nodes_[oldest].mark;
     touch(oldest);
   }

@@ -34,6 +34,7 @@ void LirsPolicy::putOnStack(uint32_t index) {
 void LirsPolicy::prune() {
   for (uint32_t last = stack_[kHead].above; last != kHead; last = stack_[kHead].above) {
     const Node& node = nodes_[last];
+    // Stack pruning (Jiang and Zhang 2002): the stack ends with a LIR entry.
     if (node.resident && node.list == kLir) return;
     takeOffStack(last);
     // A ghost is only remembered while it is in the stack.
@@ -53,6 +54,7 @@ void LirsPolicy::demote() {
 
 void LirsPolicy::onHit(uint32_t index) {
   const bool was_lir = nodes_[index].list == kLir;
+  // A HIR entry in the stack was requested again sooner than the lowest LIR one.
   const bool becomes_lir = was_lir || isInStack(index);
   putOnStack(index);
   if (!was_lir) {
@@ -73,11 +75,13 @@ uint32_t LirsPolicy::lowestLir() const {
 void LirsPolicy::makeRoom(uint32_t weight) {
   while (isFull(weight)) {
     const uint32_t oldest = oldestUnpinned(kQueue);
+    // All of the queue is pinned, so a LIR entry has to go.
     if (oldest == kQueue) {
       evict(lowestLir());
       continue;
     }
     evict(oldest);
+    // Without its place in the stack, nothing would tell how long ago it was requested.
     if (!isInStack(oldest)) continue;
     pushHead(kGhost, oldest);
     while (listWeight(kGhost) > ghost_pages_) {

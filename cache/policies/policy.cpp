@@ -42,8 +42,10 @@ void Policy::reserve(Key keys) {
   const size_t wanted = size_t{keys} + kHeads;
   if (wanted <= nodes_.size()) return;
   SLUICE_CHECK_LE(wanted, size_t{UINT32_MAX});
+  // Doubled, since keys come one by one.
   if (wanted > nodes_.capacity()) nodes_.reserve(std::max(wanted, nodes_.size() * 2));
   for (auto i = static_cast<uint32_t>(nodes_.size()); i < wanted; ++i)
+    // Each node is a list of its own until it is put into one.
     nodes_.push_back({.prev = i, .next = i});
 }
 
@@ -71,6 +73,7 @@ bool Policy::erase(Key key) {
     removeResident(index);
     return true;
   }
+  // A ghost is forgotten, too.
   if (isLinked(index)) unlink(index);
   return false;
 }
@@ -108,6 +111,7 @@ void Policy::touch(uint32_t index) {
 
 void Policy::spliceToHead(uint32_t from, uint32_t to) {
   if (isEmpty(from)) return;
+  // Each node knows its list, so that unlink() takes its weight off the right one.
   for (uint32_t i = nodes_[from].next; i != from; i = nodes_[i].next)
     nodes_[i].list = static_cast<uint8_t>(to);
   const uint32_t newest = nodes_[from].next;

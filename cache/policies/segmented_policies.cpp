@@ -22,6 +22,7 @@ void SegmentedPolicy::onHit(uint32_t index) {
   if (nodes_[index].list != kProbation) return touch(index);
   unlink(index);
   pushHead(kProtected, index);
+  // What leaves the protected part gets another chance in probation.
   while (listWeight(kProtected) > protected_pages_) {
     const uint32_t oldest = tail(kProtected);
     unlink(oldest);
@@ -50,6 +51,7 @@ WTinyLfuPolicy::WTinyLfuPolicy(uint64_t capacity)
 uint8_t WTinyLfuPolicy::timesOf(uint32_t index) const {
   if (index >= counts_.size()) return 0;
   const Count& known = counts_[index];
+  // More halvings than bits leave nothing, and a shift by more would be undefined.
   const uint64_t halvings = std::min<uint64_t>(halvings_ - known.halvings, 8);
   return static_cast<uint8_t>(known.times >> halvings);
 }
@@ -60,6 +62,7 @@ void WTinyLfuPolicy::count(uint32_t index) {
   const uint8_t times = timesOf(index);
   counts_[index] = {halvings_, std::min<uint8_t>(kMostTimes, times + 1)};
   if (++counted_ < sample_) return;
+  // As the counts, which halve at the same time.
   counted_ = sample_ / 2;
   ++halvings_;
 }
@@ -81,6 +84,8 @@ void WTinyLfuPolicy::onMiss(uint32_t index, uint32_t weight) {
     const bool window_can = of_window != kWindow;
     const uint32_t of_main = segmentedVictim();
     const bool contested = window_can && isWindowOver(weight);
+    // The entry that was requested less often leaves; the window's on a tie, since it has proved
+    // less.
     if (of_main == kNone || (contested && timesOf(of_window) <= timesOf(of_main))) {
       evict(of_window);
     } else {

@@ -31,6 +31,7 @@ void ClockPolicy::onMiss(uint32_t index, uint32_t weight) {
 void RandomPolicy::onMiss(uint32_t index, uint32_t weight) {
   while (isFull(weight)) {
     size_t slot = random_.below(slots_.size());
+    // The next one that is not pinned, so that many pins do not make the draw endless.
     while (nodes_[slots_[slot]].pinned) slot = (slot + 1) % slots_.size();
     evict(slots_[slot]);
   }
@@ -58,6 +59,7 @@ void SrripPolicy::onMiss(uint32_t index, uint32_t weight) {
     if (victim != kDistant) {
       evict(victim);
     } else {
+      // Nothing is due, so all entries come one step closer, as if each was counted up.
       for (uint32_t list = kDistant; list > 0; --list) spliceToHead(list - 1, list);
     }
   }
@@ -66,6 +68,7 @@ void SrripPolicy::onMiss(uint32_t index, uint32_t weight) {
 
 void SievePolicy::onMiss(uint32_t index, uint32_t weight) {
   while (isFull(weight)) {
+    // Past the newest entry the hand goes on at the oldest.
     if (hand_ == kQueue) hand_ = tail(kQueue);
     Node& node = nodes_[hand_];
     if (node.pinned || node.mark != 0) {

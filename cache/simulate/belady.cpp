@@ -8,6 +8,7 @@ namespace sluice {
 
 void BeladyPolicy::onMiss(uint32_t index, uint32_t weight) {
   while (isFull(weight)) evict(takeFurthest());
+  // Pinned entries were taken out to get at the others below them.
   for (const Use& use : pinned_uses_) {
     heap_.push_back(use);
     std::push_heap(heap_.begin(), heap_.end());
@@ -37,6 +38,7 @@ uint32_t BeladyPolicy::takeFurthest() {
     std::pop_heap(heap_.begin(), heap_.end());
     const Use use = heap_.back();
     heap_.pop_back();
+    // A hit has given the chunk a later use since, or it is gone.
     if (!isCurrent(use)) continue;
     if (!nodes_[use.index].pinned) return use.index;
     pinned_uses_.push_back(use);
@@ -77,6 +79,7 @@ void BeladyPages::makeRoom(uint64_t pages) {
       furthest_.pop();
       continue;
     }
+    // Only as many pages as are needed: the rest of the chunk stays and may still be hit.
     const auto gone =
         static_cast<uint32_t>(std::min<uint64_t>(pages_in_[use.key], used_ + pages - capacity_));
     pages_in_[use.key] -= gone;

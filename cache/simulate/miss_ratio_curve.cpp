@@ -18,6 +18,8 @@ void forEachDistance(const PreparedTrace& trace, Record&& record) {
   StackDistances<Rank> distances(trace.distinct);
   const size_t count = trace.keys.size();
   for (size_t i = 0; i < count; ++i) {
+    // A distance depends on two reads of memory that are far apart, the second of which needs the
+    // first one's result.
     if (i + kPositionAhead < count) {
       distances.prefetchPosition(trace.keys[i + kPositionAhead]);
       distances.prefetchRank(trace.keys[i + kRankAhead]);
@@ -78,6 +80,7 @@ MissRatioCurve DistanceHistogram::curve() const {
   const auto addStep = [&](uint64_t distance, double weight) {
     left -= weight;
     if (distance == 0) {
+      // A distance of 0 is a hit in a cache of any size.
       out.steps.back().page_misses = left;
     } else if (weight != 0) {
       out.steps.push_back({distance, left});
@@ -107,6 +110,8 @@ double ShardsEstimator::rate() const {
 
 void ShardsEstimator::request(uint64_t chunk, uint32_t pages) {
   seen_ += pages;
+  // Sampling by the chunk's hash takes all requests of a chunk or none (SHARDS, Waldspurger et al.
+  // 2015).
   const uint64_t hash = mixBits(mixBits(chunk) ^ seed_) >> 32;
   if (hash >= threshold_) return;
   auto found = keys_.find(chunk);
@@ -126,6 +131,7 @@ void ShardsEstimator::request(uint64_t chunk, uint32_t pages) {
   if (distance == distances_.kCold) {
     histogram_.addCold(stands_for);
   } else {
+    // Distances in the sample are shorter by the rate; the chunk's own pages are not.
     const double others = static_cast<double>(distance - weight) / rate();
     histogram_.add(static_cast<uint64_t>(std::llround(others)) + weight, stands_for);
   }
@@ -146,6 +152,8 @@ void ShardsEstimator::lowerThreshold() {
 
 MissRatioCurve ShardsEstimator::curve() const {
   DistanceHistogram adjusted = histogram_;
+  // SHARDS-adj: requests that the sample has too few or too many of are counted as hits, as those
+  // of hot chunks are.
   adjusted.add(0, seen_ - represented_);
   MissRatioCurve out = adjusted.curve();
   out.requests = seen_;

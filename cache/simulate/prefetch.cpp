@@ -71,6 +71,7 @@ class PrefetchRun {
         unused_(trace.distinct, false) {}
 
   void demand(const Visit& visit) {
+    // A cluster's chunks are pinned until the next one is drawn.
     cache_->unpinAll();
     shadow_->unpinAll();
     for (size_t i = visit.begin; i < visit.end; ++i) {
@@ -81,10 +82,12 @@ class PrefetchRun {
       std::vector<Key> ignored;
       const bool shadow_hit = shadow_->request(key, pages, ignored) == Outcome::kHit;
       if (pins_) shadow_->pin(key);
+      // The first hit alone is owed to loading ahead.
       if (hit && unused_[key]) result_.used += pages;
       unused_[key] = false;
       result_.misses += hit ? 0 : pages;
       result_.misses_without += shadow_hit ? 0 : pages;
+      // A miss that the cache without loading ahead would not have had.
       result_.polluted += !hit && shadow_hit ? pages : 0;
       if (pins_) cache_->pin(key);
     }

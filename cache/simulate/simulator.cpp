@@ -50,6 +50,8 @@ class Replay {
     const Key* keys = trace_.keys.data();
     const bool pins = config_.pin_clusters && !trace_.visits.empty();
     for (size_t i = 0; i < count; ++i) {
+      // Traces have more chunks than caches of the processor, and their order is not one that it
+      // foresees.
       if (i + kEntryAhead < count) {
         policy.prefetchEntry(keys[i + kEntryAhead]);
         trace_.prefetchWeight(keys[i + kEntryAhead]);
@@ -83,6 +85,7 @@ class Replay {
       const uint64_t used_before = belady.used();
       const BeladyPages::Answer answer = belady.requestNext();
       const uint32_t hit = trace_.weightOf(key) - answer.pages_missing;
+      // Here pages are the unit, since chunks may be resident in part.
       c.requests += trace_.weightOf(key);
       c.hits += hit;
       c.misses += answer.pages_missing;
@@ -127,6 +130,7 @@ class Replay {
       if (loads == 0) continue;
       const LoadBytes load = trace_.bytesOf(key);
       c.loads += loads;
+      // All loads of a chunk but its first one.
       c.redundant_loads += loads - 1;
       c.uploaded_bytes += loads * load.moved;
       row_.pages_loaded += loads * trace_.weightOf(key);
@@ -199,6 +203,8 @@ SimulationRow simulate(const PreparedTrace& trace, const SimulationConfig& confi
     replay.run(*makePolicy(config.policy, config.pages, config.seed));
   }
   row.hits = row.requests - row.misses;
+  // The causes of misses (Hill 1987): capacity misses are those of LRU in addition to the
+  // compulsory ones, and conflict misses the difference to LRU.
   const uint64_t lru = is_plain_lru ? row.misses
                        : lru_misses ? *lru_misses
                                     : lruMisses(trace, config.pages);

@@ -92,6 +92,7 @@ class GzipUnpacker final : public Unpacker {
  private:
   size_t unpack(char* out, size_t room) override {
     // Members follow one another and are one stream.
+    // The file ends between two members.
     if (in_.at == in_.end && ended_) return 0;
     if (ended_) inflateReset(&stream_);
     ended_ = false;
@@ -126,6 +127,7 @@ class ZstdUnpacker final : public Unpacker {
     if (ZSTD_isError(status) != 0) failDamaged(ZSTD_getErrorName(status));
     const bool moved = from.pos != in_.at || to.pos != 0;
     in_.at = from.pos;
+    // Without progress, the status belongs to a frame that has not begun.
     // Without progress the status belongs to a frame that has not begun.
     if (moved) ended_ = status == 0;
     return to.pos;
@@ -165,6 +167,7 @@ std::unique_ptr<std::istream> openUnpacked(const std::filesystem::path& path) {
   std::array<char, 8> head{};
   file->read(head.data(), head.size());
   const std::string_view start(head.data(), static_cast<size_t>(file->gcount()));
+  // A file shorter than the head has set the end's bit.
   file->clear();
   file->seekg(0);
   for (const OtherPacking& other : kOtherPackings)

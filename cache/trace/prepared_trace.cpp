@@ -38,12 +38,16 @@ void TracePreparer::add(const TraceRecord& record) {
 void TracePreparer::takeBatch() {
   if (out_.keys.size() + in_batch_ >= kMaxRequests)
     fail("the trace has more than the 2^32 - 17 records that can be replayed at once; cut it");
+  // A key table of a large trace does not fit into the caches, so a batch's entries are fetched
+  // before they are looked at.
   for (size_t i = 0; i < std::min(kAhead, in_batch_); ++i) table_.prefetch(batch_[i].chunk);
   for (size_t i = 0; i < in_batch_; ++i) {
     if (i + kAhead < in_batch_) table_.prefetch(batch_[i + kAhead].chunk);
     take(batch_[i]);
   }
   in_batch_ = 0;
+  // Checked after each batch: its records have at most 2^40 bytes each, so that the sum cannot wrap
+  // in between.
   if (moved_bytes_ >= kMostBytes)
     fail("the trace's loads are 2^63 bytes or more, which is more than can be counted; cut it");
 }
@@ -60,6 +64,7 @@ void TracePreparer::take(const TraceRecord& r) {
     out_.distinct_pages += r.pages;
     out_.heaviest = std::max(out_.heaviest, r.pages);
     is_uniform_ = is_uniform_ && r.pages == 1 && r.bytes == out_.bytes.front();
+    // A chunk keeps its first size, which the cache model takes to be constant.
   } else if (shape != shapeOf(r)) {
     ++out_.resized;
     pages = out_.weights[key];
@@ -90,6 +95,7 @@ PreparedTrace TracePreparer::finish() {
         "counted; cut it",
         out_.page_requests, out_.page_bytes);
   out_.ids = table_.ids();
+  // One record of sizes for all, so that replaying a large trace reads less memory.
   if (is_uniform_ && !out_.bytes.empty()) {
     out_.bytes_of_all = out_.bytes.front();
     out_.bytes = {};
@@ -161,6 +167,7 @@ PreparedTrace prepareUnit(const std::vector<Key>& keys, uint64_t page_bytes) {
 std::vector<uint32_t> nextUses(const PreparedTrace& trace) {
   std::vector<uint32_t> next(trace.keys.size());
   std::vector<uint32_t> seen_at(trace.distinct, kNever);
+  // Backwards, so that the next use of each key is the one seen last.
   for (size_t i = trace.keys.size(); i-- > 0;) {
     next[i] = seen_at[trace.keys[i]];
     seen_at[trace.keys[i]] = static_cast<uint32_t>(i);

@@ -15,6 +15,7 @@ const char* problemOf(const TraceRecord& record) {
   if (record.pages < 1 || record.pages > kMaxPages) return "pages from 1 to 2^31";
   const LoadBytes& b = record.bytes;
   if (b.moved > kMaxBytes) return "at most 2^40 bytes moved";
+  // Each is compared first, so that the sum cannot wrap.
   if (b.needed > b.moved || b.extended > b.moved || b.empty > b.moved ||
       b.needed + b.extended + b.empty > b.moved)
     return "needed, extended and empty bytes within the bytes moved";
@@ -102,6 +103,7 @@ std::optional<TraceFormat> formatByName(const std::filesystem::path& path) {
 void refuseWhatIsNoFile(const std::filesystem::path& path) {
   std::error_code none;
   const std::filesystem::file_status status = std::filesystem::status(path, none);
+  // The format is recognized by the first bytes, which a pipe gives only once.
   if (std::filesystem::is_directory(status))
     fail("{}: expected a trace file, found a folder", path.string());
   if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status))
@@ -179,6 +181,7 @@ std::unique_ptr<TraceReader> openTrace(const std::filesystem::path& path,
         "first bytes nor a known extension; name the format",
         path.string());
   std::unique_ptr<TraceReader> companion;
+  // A packed trace may have its companion under either name.
   if (format == TraceFormat::kOracleGeneral)
     for (const auto& name : {path, trace_internal::withoutPackedEnding(path)}) {
       std::error_code none;

@@ -29,6 +29,7 @@ class BinaryReader final : public Reader {
     if ((tag & kRecord) == 0 || tag > (kRecord | kSameVisit | kSameShape | kNewLevel))
       fail("{}: record {}: expected a record or the end, found tag {}", in_.label(), records_ + 1,
            tag);
+    // Differences wrap as unsigned numbers do, which is what the writer counts on.
     last_.chunk += unzigzag(varint());
     if ((tag & kSameVisit) == 0) {
       last_.cluster += static_cast<uint32_t>(unzigzag(varint()));
@@ -44,6 +45,7 @@ class BinaryReader final : public Reader {
     }
     if ((tag & kNewLevel) != 0)
       last_.level = static_cast<uint32_t>(std::min<uint64_t>(varint(), UINT32_MAX));
+    // A shape that repeats was checked when it came.
     if ((tag & (kSameShape | kNewLevel)) != kSameShape) {
       if (const char* problem = problemOf(last_))
         fail(
@@ -69,6 +71,7 @@ class BinaryReader final : public Reader {
     uint64_t value = 0;
     for (unsigned shift = 0; shift < 64; shift += 7) {
       const uint8_t b = byte();
+      // The tenth byte has room for one bit of 64.
       if (shift == 63 && b > 1) break;
       value |= static_cast<uint64_t>(b & 127u) << shift;
       if (b < 128) return value;
@@ -98,6 +101,7 @@ class BinaryWriter final : public Writer {
   }
   void write(const TraceRecord& r) override {
     const bool same_visit = r.cluster == last_.cluster && r.frame == last_.frame;
+    // The reader begins with an empty shape, which is none.
     const bool same_shape = r.pages == last_.pages && r.bytes == last_.bytes && records_ > 0;
     const bool new_level = r.level != last_.level;
     bytes_.assign(1,

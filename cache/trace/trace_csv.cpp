@@ -60,6 +60,7 @@ class CsvReader final : public Reader {
     } else {
       do {
         if (!in_.line(line)) {
+          // Ours end with the number of records; those of others cannot tell.
           if (carries_clusters_ && !is_complete_) failCut();
           if (!carries_clusters_) warnIfCut();
           return false;

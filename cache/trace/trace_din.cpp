@@ -126,6 +126,7 @@ class DinWriter final : public Writer {
       pages_.push_back(r.pages);
       next_page_ += r.pages;
     }
+    // An address stands for a chunk's first page, so that chunks may not overlap.
     if (r.pages != pages_[key])
       fail("{}: chunk {} was requested with {} pages and then with {}; din cannot tell them apart",
            path_, r.chunk, pages_[key], r.pages);

@@ -17,6 +17,7 @@ TraceInput::TraceInput(std::unique_ptr<std::istream> in, std::string label)
     : in_(std::move(in)), label_(std::move(label)), block_(kBlockBytes) {}
 
 bool TraceInput::refill() {
+  // A line that began in the block stays whole.
   std::memmove(block_.data(), block_.data() + at_, end_ - at_);
   end_ -= at_;
   at_ = 0;
@@ -35,6 +36,7 @@ bool TraceInput::line(std::string_view& line) {
         std::memchr(block_.data() + at_ + length, '\n', end_ - at_ - length));
     if (newline != nullptr) break;
     length = end_ - at_;
+    // Bounded by the line's limit, which is shorter than the block.
     if (length > kLongestLine || !refill()) break;
   }
   if (newline == nullptr && length == 0) return false;

@@ -110,6 +110,7 @@ class OracleGeneralWriter final : public Writer {
     }
   }
   void finish() override {
+    // Written at the end, since a record names the next request of its chunk.
     for (const Record& r : written_) {
       std::string raw;
       putLittleEndian(raw, r.time, 4);
