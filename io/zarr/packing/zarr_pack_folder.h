@@ -1,15 +1,18 @@
 // ZarrPackFolder: an unfinished pack on disk, DIR.zarr.partial in the folder of the DIR.zarr that
 // it becomes.
 //
-// The store has several arrays, whose chunks are numbered through. Holds the future store
-// ("store"), a lock against a second process, what is packed and how
-// ("pack.json"), and a journal of the chunks that are done with the checksum of each. A chunk is
-// written under another name and renamed, then noted in the journal; whoever opens the folder again
-// believes the journal only where the chunk's file has the length and the checksum noted, so
-// that a kill or a power cut at any moment costs chunks and never makes a wrong one. Chunks of an
-// array of shards are appended to their shard's file in the order in which they come, and the
-// journal has their offsets; complete() puts the indices behind them. finish() is
-// the only way to the final name. chunk functions: any thread; the others: one.
+// The folder holds the future store ("store"), a lock against a second process ("lock"), the volume
+// and the options that are packed ("pack.json"), and a journal of the chunks that are done, with
+// the checksum of each ("journal"). The store has several arrays, whose chunks are numbered
+// through.
+//
+// A chunk is written under another name and renamed, then noted in the journal. Whoever opens the
+// folder again believes the journal only if the chunk's file has the noted length and checksum, so
+// that a kill or a power cut at any moment costs chunks and never makes a wrong one
+// (zarr_pack_recovery.cpp). Chunks of an array of shards are appended to their shard's file in the
+// order in which they come, and the journal has their offsets; complete() puts the indices behind
+// them. Only finish() gives the store its name. Any thread may call write(), and isDone() of a
+// chunk that no other thread writes; one thread calls the others.
 #pragma once
 
 #include <cstddef>
@@ -37,7 +40,7 @@ struct PackedArray {
   ZarrArray array;
 };
 
-// Refuses or replaces an unfinished store of another volume or of other parameters.
+// Whether an unfinished store of another volume or of other parameters is refused or replaced.
 enum class BegunByOthers { kRefuse, kReplace };
 
 struct FinishOptions {
@@ -87,9 +90,18 @@ class ZarrPackFolder {
   const std::filesystem::path& path() const { return folder_; }
 
  private:
+  // Behind the stored bytes of a chunk in a shard, and behind the shard's index.
+  static constexpr uint64_t kShardCrcBytes = sizeof(uint32_t);
+
+  // Makes a folder and those above it. Throws Error.
+  static void makeFolders(const std::filesystem::path& path);
+  // Locks the folder against other processes. Throws Error if one packs to it.
   void lock();
+  // Compares the unfinished store with these parameters, or notes them in a new folder. Throws
+  // Error, see the constructor.
   void checkParameters(const std::string& source_identity, const std::string& parameters,
                        BegunByOthers others);
+  // Whether the chunk's file has the bytes that the journal notes.
   bool checkChunk(int64_t chunk) const;
   // The array that a chunk belongs to.
   size_t arrayOf(int64_t chunk) const;
