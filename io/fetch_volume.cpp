@@ -134,9 +134,11 @@ class StoreFetch {
   FetchedVolume run(const std::string& address) {
     const std::set<std::string> metadata = findMetadata(address);
     const Descriptor origin = takeOrigin(metadata);
+    // The metadata first: they are small, and say which chunks there are.
     for (const std::string& key : metadata) fetchOne(key);
     for (const std::string& key : metadata) fetchArray(key);
     std::error_code error;
+    // The store has its name only once all of it is there.
     fs::rename(part_, target_, error);
     if (error) fail("{}: cannot be written: {}", target_.string(), error.message());
     fs::remove(origin_path_, error);
@@ -171,6 +173,7 @@ class StoreFetch {
     Sha256 sha;
     for (const std::string& key : metadata)
       for (const std::string& text : {key, root_.store->stampOf(key), textOf(*root_.store, key)}) {
+        // With its length, so that two texts cannot be taken for others of the same letters.
         const uint64_t bytes = text.size();
         sha.add(std::as_bytes(std::span(&bytes, 1)));
         sha.add(std::as_bytes(std::span(text)));
@@ -214,6 +217,7 @@ class StoreFetch {
 
   fs::path fileOf(const std::string& key) const {
     const fs::path below = key.substr(root_.key.size() + 1);
+    // A name from a server must not lead out of the folder.
     for (const fs::path& part : below)
       if (part == ".." || part.is_absolute())
         fail("{}: expected names of files below the store's", root_.store->nameOf(key));
@@ -223,6 +227,7 @@ class StoreFetch {
   void fetchOne(const std::string& key) {
     const fs::path file = fileOf(key);
     std::error_code error;
+    // A file under its own name is whole, since download() renames it at the end.
     if (const uintmax_t bytes = fs::file_size(file, error); !error) {
       ++files_;
       bytes_ += bytes;
@@ -233,6 +238,7 @@ class StoreFetch {
     if (error) fail("{}: cannot be written: {}", file.parent_path().string(), error.message());
     ProgressMeter nobody;
     const auto done = download({root_.store, key}, file, {}, one_, nobody);
+    // A chunk of nothing but the fill value need not be there.
     if (!done) {
       ++missing_;
       return;

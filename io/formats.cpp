@@ -127,6 +127,7 @@ bool isStatedRaw(const NamedInput& input, const OpenOptions& options) {
 
 bool isDicom(const NamedInput& input, const OpenOptions& options) {
   if (input.is_folder) return !areSlicesWithoutHeaders(input, options) && isDicomFolder(input.file);
+  // A raw file that the user describes may look like elements without a preamble.
   return hasAt(input.head, kDicomPreambleBytes, "DICM") ||
          (!isStatedRaw(input, options) && looksLikeDicom(input.head));
 }
@@ -339,6 +340,7 @@ std::span<const Format> formats() {
 }
 
 const Format& formatOf(const NamedInput& input, const OpenOptions& options) {
+  // By the content first: names are often wrong, and a file is read for what it holds.
   for (const Format& format : formats()) {
     if (format.holds(input, options)) return format;
   }

@@ -40,6 +40,8 @@ class LentBoxSource final : public VolumeSource {
         layout_(std::move(layout)),
         there_(there),
         voxel_(bytesPerVoxel(layout_.type)) {
+    // Elsewhere in the volume, other ranks have the voxels: this one shows nothing there, whatever
+    // value stands for them.
     const Vec3i at = outside - there_.lo;
     fill_(0, {at, at + Vec3i{1, 1, 1}}, voxel_);
     visitVoxelType(layout_.type, [&](auto tag) {

@@ -24,6 +24,7 @@ NamedInput lookAt(const std::string& name, const OpenOptions& options) {
   }
   input.file = name;
   std::error_code missing;
+  // A file may have ":/" in its own name.
   if (const size_t end = name.find(":/"); end != name.npos && !fs::exists(input.file, missing)) {
     input.file = name.substr(0, end);
     input.inside = name.substr(end + 1);
@@ -38,6 +39,7 @@ NamedInput lookAt(const std::string& name, const OpenOptions& options) {
     input.store = folderPlace(input.file);
     return input;
   }
+  // As many bytes as any format needs to be recognized by.
   std::array<std::byte, 4096> bytes{};
   File file(input.file);
   input.head.assign(reinterpret_cast<const char*>(bytes.data()), file.readSome(0, bytes));

@@ -37,6 +37,7 @@ SequenceSource::SequenceSource(std::vector<std::string> steps, Opener opener, si
   layout_ = first->layout();
   checkAgrees(steps_[0], layout_);
   layout_.time_steps = static_cast<int64_t>(steps_.size());
+  // The first file's range says nothing of the others.
   layout_.stored_range.reset();
   if (const auto gap = gapNote({steps_.begin(), steps_.end()})) layout_.notes.push_back(*gap);
   // The files' states alone do not tell how they are read (dims given by the user); the first
@@ -98,6 +99,7 @@ std::shared_ptr<VolumeSource> SequenceSource::at(int64_t time) {
   std::shared_ptr<VolumeSource> source = opener_(path);
   checkAgrees(path, source->layout());
   const MutexLock lock(mutex_);
+  // Another thread was faster; what this one has read is counted.
   if (const OpenFile* const found = find(time)) {
     closed_read_bytes_ += source->storedBytesRead();
     return found->source;

@@ -32,6 +32,7 @@ std::string tagText(DicomTag tag) {
 }
 
 size_t DicomElements::take(uint64_t at, std::span<std::byte> out) {
+  // Element headers are 8 or 12 bytes: a window saves a read of the file for each.
   if (out.size() > window_.size()) return input_.readSome(at, out);
   const bool is_inside = at >= window_at_ && at - window_at_ < window_size_ &&
                          out.size() <= window_size_ - (at - window_at_);
@@ -67,6 +68,8 @@ std::optional<DicomElement> DicomElements::next(uint64_t end) {
   const bool has_type = encoding_.explicit_types && element.tag >> 16 != 0xFFFE &&
                         isUpper(type[0]) && isUpper(type[1]);
   if (has_type) {
+    // Explicit types: a length of 16 bits behind the type, or of 32 bits behind two reserved bytes
+    // (PS3.5, 7.1.2).
     const std::string_view name(type, 2);
     if (std::find(kLongTypes.begin(), kLongTypes.end(), name) == kLongTypes.end()) {
       element.length = binary(all.subspan(6, 2));
@@ -76,11 +79,13 @@ std::optional<DicomElement> DicomElements::next(uint64_t end) {
       head_bytes = 12;
     }
     element.is_sequence = name == "SQ";
+    // Such a sequence is encoded with implicit types, whatever the file's syntax is (PS3.5, 6.2.2).
     element.is_unknown_sequence = name == "UN" && element.isUndefined();
   }
   element.is_sequence = element.is_sequence || element.isUndefined();
   element.at = at_ + head_bytes;
   at_ = element.at;
+  // A damaged length would lead the reader to bytes that are no element.
   if (!element.isUndefined() &&
       (element.at > input_.bytes || element.length > input_.bytes - element.at))
     fail(
@@ -106,6 +111,7 @@ std::vector<double> DicomElements::decimals(const DicomElement& element) {
   for (std::string_view rest = value; !rest.empty();) {
     const size_t end = std::min(rest.find('\\'), rest.size());
     std::string_view one = trimmed(rest.substr(0, end));
+    // std::from_chars() takes no plus sign, and the type DS may have one.
     if (one.starts_with('+')) one.remove_prefix(1);
     double number = 0;
     const auto [stopped, status] = std::from_chars(one.data(), one.data() + one.size(), number);

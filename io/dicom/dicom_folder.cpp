@@ -35,6 +35,7 @@ std::vector<fs::path> subfolders(const fs::path& folder) {
   for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
     std::error_code unknown;
     if (!it->path().filename().native().starts_with('.') && it->is_directory(unknown) &&
+        // Links may lead in a circle.
         !it->is_symlink(unknown))
       found.push_back(it->path());
   }
@@ -64,6 +65,7 @@ bool isDicomFile(const fs::path& path) {
 bool hasDicom(const fs::path& folder, int depth, int& left) {
   bool has_pictures = false;
   for (const fs::path& file : listFolder(folder)) {
+    // A folder of millions of other files is told apart by its first few.
     if (left-- <= 0) return false;
     if (isDicomFile(file)) return true;
     has_pictures = has_pictures || isPicture(file);
@@ -101,6 +103,7 @@ std::vector<DicomHeader> readDicomHeaders(const fs::path& folder, const StopToke
     if (!isDicomFile(path)) continue;
     File file(path);
     DicomHeader header = headerOf(file);
+    // A folder may also hold DICOMDIR, reports and presentation states, which are no slices.
     if (header.refusal.empty() || header.has_pixels)
       headers.push_back(std::move(header));
     else

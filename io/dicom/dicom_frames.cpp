@@ -33,6 +33,7 @@ std::vector<DicomPlace> plainPlaces(const DicomInput& input, const DicomHeader& 
   const uint64_t frame = header.frameBytes();
   const auto frames = static_cast<uint64_t>(header.frames);
   const uint64_t found = std::min(header.pixels_length, input.bytes - header.pixels_at);
+  // Divided, since the product of a damaged header may exceed 64 bits.
   if (frame > found / frames)
     fail(
         "{}: {} x {} pixels x {} frames x {} bytes = {} bytes expected, {} found; the file was cut "
@@ -59,6 +60,8 @@ Fragments listFragments(const DicomInput& input, const DicomHeader& header) {
   Fragments fragments;
   DicomElements items(input, header.pixels_at, {});
   const auto table = items.next(input.bytes);
+  // table->tag != kDicomItem| The first item is the basic offset table, which may be empty (PS3.5,
+  // A.4).
   if (!table || table->tag != kDicomItem || table->isUndefined())
     fail("{}: damaged DICOM file: its compressed pixels have no table of offsets", input.path);
   if (table->length == 4 * header.frames) {
@@ -92,6 +95,8 @@ std::optional<std::vector<DicomPlace>> placesByTable(const Fragments& f) {
   for (size_t i = 0; i < f.table.size(); ++i) {
     const uint64_t begin = f.first_at + f.table[i];
     const uint64_t end = i + 1 < f.table.size() ? f.first_at + f.table[i + 1] : f.all.back().end;
+    // Some writers fill the table with wrong offsets: then the streams' markers tell where frames
+    // begin.
     if (fragment >= f.all.size() || f.all[fragment].begin != begin) return std::nullopt;
     while (fragment < f.all.size() && f.all[fragment].begin < end) ++fragment;
     if (f.all[fragment - 1].end != end) return std::nullopt;
@@ -217,6 +222,7 @@ std::vector<std::byte> readDicomCode(const DicomInput& input, const DicomPlace& 
   while (const auto item = items.next(place.end)) {
     const size_t had = code.size();
     const uint64_t length = std::min<uint64_t>(item->length, place.end - item->at);
+    // A frame may lie in several fragments, which are joined.
     code.resize(had + length);
     input.readSome(item->at, std::span(code).subspan(had));
     items.skip(*item);
@@ -230,6 +236,8 @@ void decodeDicomRuns(const std::string& path, std::span<const std::byte> code,
   const auto sample_bytes = static_cast<size_t>(header.bits_allocated / 8);
   const auto segments = sample_bytes * static_cast<size_t>(header.samples);
   const auto plane = static_cast<size_t>(header.columns * header.rows);
+  // The header of run lengths: the number of segments and the offset of each, in 64 bytes (PS3.5,
+  // G.5).
   if (code.size() < kHeadBytes || segments > kMostSegments || littleAt(code, 0) != segments)
     fail("{}: damaged DICOM file: run lengths in {} segments, expected {}", path,
          code.size() < kHeadBytes ? 0 : littleAt(code, 0), segments);
@@ -246,10 +254,12 @@ void decodeDicomRuns(const std::string& path, std::span<const std::byte> code,
            end, code.size());
     while (done < plane && at < end) {
       const auto length = std::to_integer<size_t>(code[at++]);
+      // 128 stands for nothing (PS3.5, G.3.2).
       if (length == 128) continue;
       const bool is_run = length > 128;
       const size_t count = is_run ? 257 - length : length + 1;
       const size_t taken = is_run ? 1 : count;
+      // A damaged run may not write behind the pixels.
       if (count > plane - done || taken > end - at) break;
       for (size_t i = 0; i < count; ++i) to[(done + i) * sample_bytes] = code[is_run ? at : at + i];
       at += taken;
@@ -268,6 +278,7 @@ int64_t checkedStreamBits(const std::string& path, std::span<const std::byte> co
   if (!size)
     fail("{}: damaged DICOM file: a frame is no {} stream", path,
          header.coding == DicomCoding::kJpeg2000 ? "JPEG 2000" : "JPEG");
+  // Checked before the decoder runs, which is given the sizes of the header.
   if (size->width != header.columns || size->height != header.rows || size->colors != 1 ||
       size->bits < 1 || size->bits > header.bits_allocated)
     fail(

@@ -35,9 +35,11 @@ bool startsWithElements(std::string_view head) {
   DicomTag previous = 0;
   while (const auto e = elements.next(kAnyBytes)) {
     const DicomTag group = e->tag >> 16;
+    // Elements ascend, and a file without a preamble begins with group 2 or 8.
     if (e->tag <= previous || (previous < 0x00080000 && group != 2 && group != 8)) return false;
     if (group > 8 || e->isUndefined()) break;
     const std::string_view value = head.substr(std::min(e->at, head.size()), e->length);
+    // Values have an even length (PS3.5, 7.1.1).
     if (e->length % 2 != 0 || (isText(e->tag) && !isPrintable(value))) return false;
     has_text = has_text || (isText(e->tag) && !value.empty());
     previous = e->tag;
@@ -110,6 +112,7 @@ void requireDicomPixels(const DicomHeader& h) {
         "or 32, or 32 or 64 bit floats",
         h.path, h.bits_stored, bits, h.high_bit, h.is_float ? ", floats" : "");
   const bool in_fragments = h.pixels_length == DicomElement::kUndefined;
+  // Fragments and compression go together (PS3.5, A.4).
   if (in_fragments != (h.coding != DicomCoding::kPlain))
     fail("{}: damaged DICOM file: its pixels are {}in fragments, which its transfer syntax is not",
          h.path, in_fragments ? "" : "not ");

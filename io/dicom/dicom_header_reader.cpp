@@ -140,12 +140,15 @@ class HeaderReader {
       return std::to_integer<int>(head[i]) >= 'A' && std::to_integer<int>(head[i]) <= 'Z';
     };
     return {.explicit_types = letter(4) && letter(5),
+            // Groups are small numbers, so that the first byte of one is zero only in big-endian
+            // order.
             .big_endian = head[0] == std::byte{0} && head[1] != std::byte{0}};
   }
 
   void readDataSet(const Scope& scope, uint64_t end, int depth) {
     if (depth > kMostDepth) failDamaged("its sequences are nested too deeply");
     while (const auto e = elements_.next(end)) {
+      // An item of undefined length ends by a delimiter (PS3.5, 7.5.1).
       if (e->tag == kDicomItemEnd || e->tag == kDicomSequenceEnd) {
         if (scope.is_top) failDamaged("a sequence ends that did not begin");
         return;
@@ -155,6 +158,7 @@ class HeaderReader {
         notePixels(*e);
         return;
       }
+      // Elements ascend, so that no pixels follow.
       if (scope.is_top && e->tag > kPixels) return;
       if (e->is_sequence || isWantedSequence(scope, e->tag)) {
         readSequence(scope, *e, depth);
@@ -178,6 +182,7 @@ class HeaderReader {
       return;
     }
     const DicomEncoding outside = elements_.encoding();
+    // Its items have implicit types (PS3.5, 6.2.2).
     if (sequence.is_unknown_sequence) elements_.setEncoding({.explicit_types = false});
     const uint64_t end = sequence.isUndefined() ? input_.bytes : sequence.at + sequence.length;
     while (const auto item = elements_.next(end)) {
@@ -185,6 +190,7 @@ class HeaderReader {
       if (item->tag != kDicomItem) failDamaged("something else than an item in a sequence");
       const uint64_t item_end = item->isUndefined() ? end : std::min(end, item->at + item->length);
       readDataSet(is_wanted ? scopeOf(scope, sequence.tag) : Scope{}, item_end, depth + 1);
+      // An item may end before its length says, for instance by a damaged delimiter.
       if (!item->isUndefined()) elements_.moveTo(item_end);
     }
     if (!sequence.isUndefined()) elements_.moveTo(end);
@@ -338,6 +344,7 @@ class HeaderReader {
   }
 
   void finish() {
+    // These texts are printed, so a damaged file may not put control characters into them.
     DicomHeader& h = header_;
     constexpr size_t kMostLetters = 16;
     if (h.modality.empty() || h.modality.size() > kMostLetters ||

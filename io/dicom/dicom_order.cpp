@@ -72,6 +72,7 @@ class StackOrder {
   void sortByPosition() {
     const auto& [x, y] = *placed_[0].functions.directions;
     const double size = length(cross(x, y));
+    // Two directions of length 1 that are at right angles span an area of 1; files round them.
     if (!(size > 0.5 && size < 2))
       fail("{}: the directions of its rows and columns are no two directions", first_.path);
     normal_ = normalized(cross(x, y));
@@ -104,6 +105,7 @@ class StackOrder {
     std::string one;
     for (const Placed& p : placed_) {
       const std::string& instance = headerOf(p).instance;
+      // An image has one identifier wherever it is copied to (SOP Instance UID, PS3.3, C.12.1).
       if (!instance.empty() && !seen.try_emplace({instance, p.at.frame}, p.at.file).second) {
         if (copies++ == 0) one = headerOf(p).path;
         continue;
@@ -123,6 +125,7 @@ class StackOrder {
       end = endOfPlace(begin);
       ++places_of_size[end - begin];
     }
+    // A missing file makes one place differ from the others: the usual number tells which.
     const auto usual =
         std::max_element(places_of_size.begin(), places_of_size.end(),
                          [](const auto& a, const auto& b) { return a.second < b.second; });
@@ -169,6 +172,7 @@ class StackOrder {
     }
     setPlane(first.functions, step);
     setOrigin(first_.path, *first.functions.position, layout_);
+    // DICOM's patient coordinates go to the left, to the back and to the head (PS3.3, C.7.6.2.1.1).
     layout_.frame = WorldFrame::kLps;
     layout_.unit = "millimeter";
   }
@@ -277,6 +281,7 @@ class StackOrder {
   void setValues() {
     layout_.type = storedDicomType(stack_.form);
     const DicomLine& line = placed_[0].line;
+    // CT series have one slope and intercept; those of PET differ from slice to slice.
     is_one_line_ = std::all_of(placed_.begin(), placed_.end(),
                                [&](const Placed& p) { return p.line == line; });
     for (const Placed& p : placed_)

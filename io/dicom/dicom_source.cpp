@@ -114,6 +114,7 @@ class DicomSource final : public VolumeSource, public UnitSource {
       number[frame.file] = paths.size();
       paths.emplace_back(headers[frame.file].path);
     }
+    // A series may have more files than a process may open.
     const File::Keep keep = paths.size() > kMostFilesOpen ? File::Keep::kClosed : File::Keep::kOpen;
     std::vector<std::vector<DicomPlace>> places(paths.size());
     files_.resize(paths.size());
@@ -148,6 +149,7 @@ class DicomSource final : public VolumeSource, public UnitSource {
   void makeBands() {
     const auto row_bytes = layout_.dims.x * static_cast<int64_t>(bytesPerVoxel(layout_.type));
     // Whole frames, where rows cannot be had alone.
+    // Compressed frames, and colours plane by plane, are decoded as a whole.
     const bool has_rows = form_.samples == 1 && most_code_bytes_ == 0;
     const int64_t rows =
         has_rows ? PlaneBands::usualBandRows(layout_.dims.y, row_bytes, 1) : layout_.dims.y;
@@ -204,6 +206,7 @@ class DicomSource final : public VolumeSource, public UnitSource {
     DicomPixelForm form = form_;
     form.bits_stored = checkedStreamBits(path, code, file.header);
     form.high_bit = form.bits_stored - 1;
+    // The module is opened at the first compressed frame, so that plain series do not need it.
     static DecodeDicomFrame* const decode = openDecoder(path);
     if (!decode(file.header.coding, form, code, pixels))
       fail("{}: damaged DICOM file: a frame of {} bytes cannot be decompressed", path, code.size());

@@ -106,6 +106,7 @@ const DicomStack& chooseDicomStack(const std::string& path, const std::vector<Di
                   others(nullptr));
     return *found;
   }
+  // A folder of a study also has scouts and localizers of a few slices.
   const DicomStack& largest = *std::max_element(
       stacks.begin(), stacks.end(),
       [](const DicomStack& a, const DicomStack& b) { return a.frames.size() < b.frames.size(); });

@@ -21,9 +21,11 @@ uint64_t readParts(const std::string& path, int descriptor, uint64_t offset,
                static_cast<off_t>(offset + got));
     if (taken < 0 && errno == EINTR) continue;
     if (taken < 0) failErrno(fmt::format("{}: reading at offset {} failed", path, offset), errno);
+    // The file's end.
     if (taken == 0) break;
     got += static_cast<uint64_t>(taken);
     size_t rest = static_cast<size_t>(taken);
+    // preadv() may stop anywhere, so that the rest is asked for again.
     while (first < parts.size() && rest >= left[first].iov_len) rest -= left[first++].iov_len;
     if (rest > 0) {
       left[first].iov_base = static_cast<std::byte*>(left[first].iov_base) + rest;

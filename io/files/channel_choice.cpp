@@ -37,6 +37,7 @@ void requireNumber(const std::string& path, int64_t number, int64_t channels) {
 int64_t numberOf(const std::string& path, const std::string& name,
                  std::span<const std::string> names, int64_t channels) {
   const auto found = std::find(names.begin(), names.end(), name);
+  // A name may have a comma in it, so that a list is tried only if no channel is called so.
   if (found == names.end() && name.find(',') != std::string::npos) {
     wishedChannels(path, {std::nullopt, name}, names, channels);  // throws for a wrong one
     failRequest("{}: --channel {}: one channel is read here, expected one of {}", path, name,

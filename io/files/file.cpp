@@ -57,6 +57,7 @@ uint64_t File::checksumOfSample(int pages) const {
   const Descriptor anew = descriptor_ ? Descriptor() : openForReading(path_);
   const int descriptor = descriptor_ ? descriptor_.get() : anew.get();
   const auto offsetOf = [&](uint64_t i) {
+    // From the first page to the last one, in equal steps.
     return (sampled == 1 ? 0 : i * (in_file - 1) / (sampled - 1)) * kPageBytes;
   };
   // A disk fetches all of them at once.
@@ -76,6 +77,7 @@ uint64_t File::checksumOfSample(int pages) const {
 void File::checkUnchanged(int descriptor) const {
   struct stat now = {};
   if (fstat(descriptor, &now) != 0) failErrno(fmt::format("{}: fstat failed", path_), errno);
+  // A file that was replaced or written meanwhile would give voxels that the index does not know.
   if (now.st_size != opened_.st_size || inNs(now.st_mtim) != inNs(opened_.st_mtim) ||
       now.st_ino != opened_.st_ino || now.st_dev != opened_.st_dev)
     fail("{}: changed while it was open ({} bytes then, {} now); open it again", path_,
@@ -92,6 +94,7 @@ void File::read(uint64_t offset, std::span<const iovec> parts) {
   if (got < wanted)
     fail("{}: short read at offset {}: {} bytes wanted, {} got; the file ends there", path_, offset,
          wanted, got);
+  // After the read, so that a change during it is found.
   checkUnchanged(descriptor);
 }
 

@@ -44,6 +44,7 @@ Inflater::~Inflater() {
 // Makes two bytes of input available, or all that is left; false when there is none.
 bool Inflater::fillInput() {
   z_stream& stream = state_->stream;
+  // Two bytes, since startNextMember() looks for a gzip header's first two.
   if (stream.avail_in >= 2) return true;
   std::byte* const begin = state_->input.data();
   if (stream.avail_in == 1) *begin = static_cast<std::byte>(*stream.next_in);
@@ -60,6 +61,8 @@ bool Inflater::fillInput() {
 void Inflater::startNextMember() {
   z_stream& stream = state_->stream;
   fillInput();
+  // A gzip file is a series of members, which are one stream (RFC 1952, 2.2). Other bytes behind
+  // them are ignored.
   const bool another = has_members_ && stream.avail_in >= 2 && stream.next_in[0] == 0x1f &&
                        stream.next_in[1] == 0x8b;
   if (another)
@@ -72,6 +75,7 @@ size_t Inflater::read(std::span<std::byte> out) {
   z_stream& stream = state_->stream;
   size_t got = 0;
   while (got < out.size() && !finished_ && fillInput()) {
+    // zlib counts bytes in 32 bits.
     const size_t room = std::min<size_t>(out.size() - got, std::numeric_limits<uInt>::max());
     stream.next_out = reinterpret_cast<Bytef*>(out.data() + got);
     stream.avail_out = static_cast<uInt>(room);

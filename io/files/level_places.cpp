@@ -18,6 +18,7 @@ constexpr double kSlack = 1e-3;
 double factorOfShapes(int64_t finest, int64_t level) {
   const auto ratio = static_cast<double>(finest) / static_cast<double>(level);
   const auto whole = static_cast<int64_t>(std::lround(ratio));
+  // Levels round an odd number of voxels up or down.
   const bool fits = whole >= 1 && (finest / whole == level || ceilDiv(finest, whole) == level);
   return fits ? static_cast<double>(whole) : ratio;
 }
@@ -41,6 +42,7 @@ Values readValues(VolumeSource& source, const Box3& box) {
     source.readRegion(0, box, std::as_writable_bytes(std::span(voxels)));
     for (size_t i = 0; i < voxels.size(); ++i) {
       const auto value = static_cast<double>(voxels[i]);
+      // One voxel that is no number would spoil the sum of all.
       read.values[i] = std::isfinite(value) ? value : 0;
     }
   });
@@ -202,6 +204,7 @@ std::string findOrigin(VolumeSource& finest, std::span<CoarserLevel> levels) {
     const Vec3i d = levels[i].source->layout().dims;
     return std::min({d.x, d.y, d.z});
   };
+  // The coarsest pair with enough voxels to compare takes the least reading.
   while (at > 0 && leastSide(at) < kLeastSide) --at;
   VolumeSource& fine = at == 0 ? finest : *levels[at - 1].source;
   const Vec3d finer = at == 0 ? Vec3d{1, 1, 1} : levels[at - 1].placement.scale;

@@ -15,11 +15,13 @@ PlaneBands::PlaneBands(const Shape& shape, Decode decode)
 int64_t PlaneBands::usualBandRows(int64_t height, int64_t row_bytes, int64_t unit_rows) {
   constexpr int64_t kBandBytes = int64_t{512} << 10, kMaxUnitBytes = int64_t{8} << 20;
   const int64_t wanted = std::clamp<int64_t>(unit_rows, 1, height);
+  // Bands are whole strips or tiles, which are decoded as a whole, unless one is very large.
   const int64_t unit = wanted * row_bytes <= kMaxUnitBytes ? wanted : 1;
   return std::min(std::max<int64_t>(kBandBytes / row_bytes / unit, 1) * unit, height);
 }
 
 void PlaneBands::holdAtMost(uint64_t bytes) {
+  // One band at least: rows are copied one by one, and each would decode it again.
   cache_.setBudget(std::max(bytes, bandBytes()));
 }
 

@@ -95,6 +95,7 @@ void scanXml(const ByteInput& input, const std::string& path, const XmlHandlers&
   XML_SetUserData(parser.get(), &scan);
   XML_SetElementHandler(parser.get(), beginTag, endTag);
   XML_SetCharacterDataHandler(parser.get(), someText);
+  // Entities of a document type may expand to gigabytes or name other files.
   XML_SetStartDoctypeDeclHandler(parser.get(), beginDoctype);
   for (uint64_t offset = 0;;) {
     void* const room = XML_GetBuffer(parser.get(), kPieceBytes);
@@ -113,6 +114,8 @@ void scanXml(const ByteInput& input, const std::string& path, const XmlHandlers&
       fail("{}: expected XML, found {} in line {}", path,
            XML_ErrorString(XML_GetErrorCode(parser.get())), XML_GetCurrentLineNumber(parser.get()));
     if (is_last) return;
+    // The parser keeps a tag that has begun, so that one without an end would take the whole file
+    // into memory.
     const XML_Index begun = XML_GetCurrentByteIndex(parser.get());
     if (begun < 0 || offset - static_cast<uint64_t>(begun) > kMostTagBytes + kPieceBytes)
       fail("{}: expected tags of at most {} bytes, found a longer one", path, kMostTagBytes);

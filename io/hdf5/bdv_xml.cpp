@@ -135,6 +135,7 @@ class BdvParser {
           fail("{}: expected 12 numbers of an affine transform, found {}", path_, inQuotes(text));
         affine[i] = *value;
       }
+      // The first transform that is listed is applied last.
       affine_ = product(affine_, affine);
     }
     if (name == "ViewRegistration") registrations_[registration_] = affine_;

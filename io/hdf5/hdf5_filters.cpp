@@ -47,6 +47,7 @@ void checkFletcher(std::vector<std::byte>& bytes, const std::string& path) {
 }
 
 void unshuffle(std::span<const std::byte> from, std::span<std::byte> to, size_t width) {
+  // Bytes that fill no whole value stay at the end, as HDF5's shuffle leaves them.
   const size_t count = from.size() / width, whole = count * width;
   for (size_t byte = 0; byte < width; ++byte) {
     const std::byte* const plane = from.data() + byte * count;
@@ -107,6 +108,7 @@ void decodeLz4Blocks(std::span<const std::byte> from, std::span<std::byte> to,
     from = from.subspan(kSize);
     if (stored > from.size()) failCut();
     const auto out = to.first(std::min<uint64_t>(block, to.size()));
+    // A block that did not shrink is stored as it is.
     const ZarrCodec codec = stored == out.size() ? ZarrCodec::kNone : ZarrCodec::kLz4;
     decodeChunk(codec, from.first(stored), out, path);
     from = from.subspan(stored);
@@ -158,8 +160,10 @@ bool areKnownFilters(std::span<const Hdf5Filter> filters) {
 
 void undoFilters(std::span<const Hdf5Filter> filters, uint32_t mask, std::vector<std::byte>& stored,
                  std::span<std::byte> chunk, const std::string& path) {
+  // A bit of a chunk's filter mask says that its filter was left out (HDF5 file format).
   const auto isApplied = [mask](size_t i) { return i >= 32 || (mask >> i & 1) == 0; };
   std::vector<std::byte> decoded;
+  // Filters are undone in the reverse of the order in which they were applied.
   for (size_t i = filters.size(); i-- > 0;) {
     if (!isApplied(i)) continue;
     if (filters[i].number == kFletcher) {

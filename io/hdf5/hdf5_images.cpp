@@ -85,6 +85,7 @@ std::unique_ptr<VolumeSource> openStack(Stack stack, const ChunkedOptions& optio
     place.is_translated = true;
     for (int a = 2; a >= 0; --a) {
       place.scale.push_back(spacing[a] * factor[a]);
+      // The middle of a coarse voxel lies between those of the finest ones that it covers.
       place.translation.push_back(stack.origin[a] + spacing[a] * (factor[a] - 1) / 2);
     }
   }
@@ -107,6 +108,7 @@ std::unique_ptr<ChunkedArray> openArrayOf(const Hdf5Input& input, const std::str
   const std::string name = input.file->path() + ":" + path;
   std::unique_ptr<Hdf5Set> set = input.inside->open(path);
   ZarrArray array = hdf5ArrayOf(set->description(), name);
+  // BigDataViewer stores unsigned 16-bit voxels as signed ones.
   if (are_unsigned && array.type == VoxelType::kI16) array.type = VoxelType::kU16;
   return hdf5Chunks(input, std::move(set), std::move(array), name);
 }
@@ -170,6 +172,7 @@ std::unique_ptr<VolumeSource> openImaris(const Hdf5Input& input, const std::stri
     constexpr const char* kSizes[] = {"ImageSizeX", "ImageSizeY", "ImageSizeZ"};
     for (int a = 2; a >= 0; --a) {
       size[a] = numberOf(attributes, kSizes[a], fmt::format("{}:{}", path, name));
+      // Chunks of Imaris reach beyond the image, whose size is in the attributes.
       made.extents.push_back(static_cast<int64_t>(std::clamp(size[a], 0.0, 1e15)));
     }
     const Stack::Level& finest = stack.levels[0];
@@ -279,6 +282,7 @@ std::unique_ptr<VolumeSource> openBdvXml(const std::string& path, const ChunkedO
         "{}: set-up {} lies elsewhere at other time points; it is shown in its first place", path,
         setup.id));
   const BdvAffine& w = setup.world;
+  // The columns of the affine matrix.
   for (size_t a = 0; a < 3; ++a) stack.steps[a] = {w[a], w[4 + a], w[8 + a]};
   stack.origin = {w[3], w[7], w[11]};
   stack.unit = setup.unit;

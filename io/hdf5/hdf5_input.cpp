@@ -83,6 +83,8 @@ class Hdf5Array final : public ChunkedArray {
       if (bytes != out.size()) fail("{}: expected {} bytes, found {}", path, out.size(), bytes);
       set_->readStored(corner, out);
     } else {
+      // A compressor adds little to what it cannot shrink, so a larger chunk is damaged; this
+      // bounds the memory for it.
       const uint64_t most = out.size() + out.size() / 16 + 4096;
       if (bytes == 0 || bytes > most)
         fail("{}: expected 1 to {} bytes, found {}", path, most, bytes);
@@ -109,6 +111,7 @@ class Hdf5Array final : public ChunkedArray {
     // Rows to their places in a whole chunk, from the last on.
     const size_t last = shape.size() - 1;
     const size_t row_bytes = static_cast<size_t>(extents[last]) * bytesPerVoxel(array_.type);
+    // Each row moves to a place behind its own, so the last one goes first.
     for (auto row = static_cast<int64_t>(bytes / row_bytes) - 1; row >= 0; --row) {
       int64_t rest = row, to = 0, stride = array_.chunks[added + last];
       for (size_t a = last; a-- > 0;) {
@@ -124,6 +127,7 @@ class Hdf5Array final : public ChunkedArray {
   // Reads a byte, before which the file is compared with what it was.
   void requireUnchanged() {
     std::array<std::byte, 1> front;
+    // HDF5 reads by itself, so that File's own check does not see those reads.
     file_->readAt(0, front);
   }
 
@@ -172,6 +176,7 @@ const Hdf5Attribute* find(const std::vector<Hdf5Attribute>& attributes, std::str
 
 ZarrArray hdf5ArrayOf(const Hdf5Description& description, const std::string& name) {
   for (const Hdf5Filter& filter : description.filters)
+    // A filter that is in the library is left to it, which decodes one chunk at a time.
     if (!areKnownFilters(description.filters) && !filter.is_in_library)
       fail("{}: expected chunks packed with deflate, LZF, LZ4, zstd or Blosc, found {} (filter {})",
            name, filter.name, filter.number);
@@ -190,6 +195,7 @@ ZarrArray hdf5ArrayOf(const Hdf5Description& description, const std::string& nam
   int64_t voxels = 1, chunk = 1;
   for (size_t a = 0; a < array.axes(); ++a) {
     if (array.shape[a] < 1) fail("{}: expected one voxel or more, found none", name);
+    // Sizes come from the file: their products are checked before anything is allocated.
     if (array.chunks[a] < 1 || __builtin_mul_overflow(voxels, array.shape[a], &voxels) ||
         voxels > kMostVoxels || __builtin_mul_overflow(chunk, array.chunks[a], &chunk) ||
         static_cast<uint64_t>(chunk) > kMostChunkBytes / bytesPerVoxel(array.type))

@@ -141,6 +141,7 @@ std::optional<Hdf5Attribute> readAttribute(hid_t object, const char* name) {
   }
   const size_t bytes = H5Tget_size(type.get());
   if (bytes == 0 || bytes > kMostTextBytes / static_cast<size_t>(count)) return std::nullopt;
+  // A byte more, since texts of a fixed size need not end with a zero.
   H5Tset_size(memory.get(), bytes + 1);
   std::vector<char> all((bytes + 1) * static_cast<size_t>(count), '\0');
   if (H5Aread(attribute.get(), memory.get(), all.data()) < 0) return std::nullopt;

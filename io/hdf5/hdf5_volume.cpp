@@ -144,6 +144,8 @@ std::unique_ptr<VolumeSource> openHdf5(const std::string& path, const std::strin
   volume.places = {path};
 
   ZarrView view = viewZarr(array, volume.image, options.channel.given(), name);
+  // Contiguous voxels are read where they lie, without chunks in memory and by any number of
+  // threads.
   if (view.channel || !options.channel.given()) {
     VolumeLayout layout = view.layout;
     layout.name = volume.title;
