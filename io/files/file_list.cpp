@@ -69,7 +69,6 @@ std::string_view digitsOf(std::string_view file, const NumberedName& name) {
       file.substr(name.before.size(), file.size() - name.before.size() - name.after.size());
   if (!std::all_of(digits.begin(), digits.end(), isDigit)) return {};
   const bool is_padded = digits.size() > 1 && digits[0] == '0';
-  // "%03d" makes 007 and 1234, but neither 7 nor 0007.
   if (digits.size() < name.width || (is_padded && digits.size() > name.width)) return {};
   return digits;
 }
@@ -154,8 +153,7 @@ bool naturalLess(std::string_view a, std::string_view b) {
       return number;
     };
     const std::string_view number_a = takeNumber(a), number_b = takeNumber(b);
-    // Without leading zeros, the longer number is the greater one; it may have any number of
-    // digits.
+    // Without leading zeros, the longer number is the greater one.
     if (number_a.size() != number_b.size()) return number_a.size() < number_b.size();
     if (number_a != number_b) return number_a < number_b;
   }

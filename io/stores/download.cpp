@@ -80,6 +80,7 @@ class Download {
   std::optional<Downloaded> run() {
     openPart();
     const std::optional<Known> known = readKnown(known_path_);
+    // A file of this name that no fetch has made is somebody's own.
     if (!known && bytesThere() > 0)
       fail("{}: expected nothing of this name, or what a fetch began; move or remove it",
            part_path_.string());
@@ -95,6 +96,7 @@ class Download {
  private:
   std::optional<Downloaded> runLocked(const std::optional<Known>& known) {
     uint64_t there = bytesThere();
+    // known->name| Another object, or one that cannot be asked for in parts, is begun anew.
     if (!known || known->name != name_ || known->bytes < there || known->comes_whole) there = 0;
     if (there > 0 && there == known->bytes) {
       // All was read, and only the check and the new name are missing.
@@ -111,6 +113,8 @@ class Download {
            *expected_.bytes, first->whole);
     }
     Known now{name_, object_.store->stampOf(object_.key), first->whole};
+    // The object changed since the last run, or the server no longer sends parts: what is there is
+    // no start of it.
     if (there > 0 && (*known != now || !first->comes_in_parts)) {
       there = 0;
       first = readFirst(0);
@@ -119,6 +123,7 @@ class Download {
     if (there == 0 && ftruncate(part_.get(), 0) != 0) failPart();
     comes_whole_ = !first->comes_in_parts && first->bytes.size() < first->whole;
     now.comes_whole = comes_whole_;
+    // Before the first byte, so that bytes without an origin are never taken for the object's.
     writeKnown(known_path_, now);
     progress_.expect(first->whole);
     hashStart(there);
@@ -213,6 +218,7 @@ class Download {
           pass(piece + 1);
         }
       } catch (...) {
+        // Else the others would wait for this thread's turn for ever.
         pass(std::nullopt);
         throw;
       }
@@ -272,6 +278,7 @@ class Download {
     if (!expected_.sha256.empty() && done.sha256 != expected_.sha256)
       refuse(fmt::format("expected the SHA-256 {}, found {}; what was fetched is removed",
                          expected_.sha256, done.sha256));
+    // The bytes are on the disk before the name says that they are whole.
     if (fsync(part_.get()) != 0) failPart();
     std::error_code error;
     fs::rename(part_path_, file_, error);

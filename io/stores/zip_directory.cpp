@@ -49,6 +49,7 @@ std::optional<DirectoryPlace> wideDirectory(File& file, uint64_t end_at) {
   file.readAt(end_at - kWideLocatorBytes, locator);
   if (numberAt<uint32_t>(locator, 0) != kWideLocatorMark) return std::nullopt;
   const auto at = numberAt<uint64_t>(locator, 8);
+  // Offsets come from the file, so each is checked before it is read from.
   if (end_at < kWideEndBytes || at > end_at - kWideEndBytes)
     fail("{}: expected the end of its list of files within {} bytes, found it at {}", file.path(),
          end_at, at);
@@ -61,6 +62,7 @@ std::optional<DirectoryPlace> wideDirectory(File& file, uint64_t end_at) {
 
 DirectoryPlace findDirectory(File& file) {
   const uint64_t size = file.sizeBytes();
+  // A comment of up to 64 KiB may follow the end record (APPNOTE 4.3.16).
   std::vector<std::byte> tail(std::min(size, kEndBytes + kMostComment));
   file.readAt(size - tail.size(), tail);
   const std::optional<uint64_t> found = endIn(tail);
@@ -74,6 +76,7 @@ DirectoryPlace findDirectory(File& file) {
   const auto parts = numberAt<uint16_t>(end, 4);
   DirectoryPlace place{numberAt<uint32_t>(end, 16), numberAt<uint32_t>(end, 12),
                        numberAt<uint16_t>(end, 10)};
+  // Numbers that do not fit stand in the Zip64 end record (APPNOTE 4.3.14).
   if (place.offset == kWide32 || place.bytes == kWide32 || place.entries == kWide16)
     place = wideDirectory(file, end_at).value_or(place);
   if (parts != 0 && parts != kWide16)
@@ -98,6 +101,8 @@ uint64_t contentOf(File& file, const ZipEntry& entry) {
   const uint64_t size = file.sizeBytes();
   std::vector<std::byte> header(kHeaderBytes + entry.name.size());
   if (header.size() <= size - entry.header_at) {
+    // The local header's extra field may have another length than the directory's, so that only it
+    // tells where the content begins.
     file.readAt(entry.header_at, header);
     const auto name_bytes = numberAt<uint16_t>(header, 26), more = numberAt<uint16_t>(header, 28);
     const uint64_t at = entry.header_at + kHeaderBytes + name_bytes + more;

@@ -43,6 +43,7 @@ bool ZipStore::has(const std::string& key) {
 
 uint32_t ZipStore::inflateInto(const ZipEntry& entry, uint64_t from, std::span<std::byte> out) {
   Inflater inflater(file_, contentOf(*file_, entry), entry.stored_bytes);
+  // Deflate has no way in but its start.
   std::vector<std::byte> before(from);
   for (const std::span<std::byte> part : {std::span(before), out})
     if (inflater.read(part) < part.size())
@@ -73,6 +74,7 @@ bool ZipStore::read(const std::string& key, const PieceBytes& wanted, const Room
     file_->readAt(contentOf(*file_, *entry) + from, out);
     if (is_all) checksum = checksumOf(out);
   }
+  // Only all bytes from the first one on have the checksum of the entry.
   const bool is_known = entry->is_deflated ? from + out.size() == entry->bytes : is_all;
   if (is_known && checksum != entry->checksum)
     fail("{}: expected the checksum {:08x}, found {:08x}; write or fetch it again", nameOf(key),

@@ -56,6 +56,7 @@ Address parseAddress(const std::string& name, const BucketAccess& buckets) {
   if (scheme == kBucketScheme) {
     address = bucketAddress(rest, buckets);
   } else {
+    // A fragment is never sent to a server (RFC 3986, 3.5).
     rest = rest.substr(0, rest.find('#'));
     const size_t query = std::min(rest.find('?'), rest.size());
     address.query = rest.substr(query);
@@ -69,6 +70,7 @@ Address parseAddress(const std::string& name, const BucketAccess& buckets) {
     if (!host.empty()) address.server = std::string(scheme) + std::string(host);
     address.key = rest.substr(std::min(path + 1, rest.size()));
   }
+  // Keys of chunks are appended with a slash of their own.
   while (address.key.ends_with('/')) address.key.pop_back();
   if (address.server.empty() || address.key.empty())
     fail("{}: expected an address such as https://HOST/PATH or s3://BUCKET/KEY", name);

@@ -67,6 +67,8 @@ BucketAccess bucketAccess(const Variable& variable) {
       profileFile(variable("AWS_SHARED_CREDENTIALS_FILE"), home, "credentials");
   const fs::path config = profileFile(variable("AWS_CONFIG_FILE"), home, "config");
   const auto keys = sectionOf(credentials, profile);
+  // The configuration calls its sections "profile NAME", but for the default one; the credentials
+  // do not.
   const auto settings = sectionOf(config, profile == "default" ? profile : "profile " + profile);
   if (!asked.empty() && !keys && !settings)
     failRequest("AWS_PROFILE: no profile {} in {} or {}; correct the name or unset it", asked,
@@ -85,11 +87,13 @@ BucketAccess bucketAccess(const Variable& variable) {
   if (!key.empty() && !secret.empty()) {
     access.access_key = key;
     access.secret_key = secret;
+    // The three belong together: a token of other keys would be refused.
     access.session_token = variable("AWS_SESSION_TOKEN");
   }
   for (const std::string& region : {variable("AWS_DEFAULT_REGION"), variable("AWS_REGION")})
     if (!region.empty()) access.region = region;
   if (std::string url = variable("AWS_ENDPOINT_URL"); !url.empty()) access.endpoint = url;
+  // A key without its secret cannot sign, so that the bucket is asked without one.
   if (access.secret_key.empty()) access.access_key.clear();
   return access;
 }

@@ -86,6 +86,7 @@ std::string faultOf(CURLcode code, const char* text) {
 
 void takeHeaderLine(std::string_view line, HttpHead& head) {
   if (line.starts_with("HTTP/")) {
+    // Headers of an answer that came before, such as 100 Continue, do not count.
     head = {};
     const size_t space = std::min(line.find(' '), line.size());
     const std::string_view status = line.substr(std::min(space + 1, line.size())).substr(0, 3);
@@ -95,6 +96,7 @@ void takeHeaderLine(std::string_view line, HttpHead& head) {
   const size_t colon = line.find(':');
   if (colon == std::string_view::npos) return;
   std::string name(line.substr(0, colon));
+  // Names of headers have no case (RFC 9110, 5.1).
   for (char& c : name)
     if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
   const std::string_view value = trimmed(line.substr(colon + 1));
@@ -135,6 +137,7 @@ struct HttpClient::Transfer {
   static size_t takeBody(char* bytes, size_t one, size_t count, void* self) {
     auto& transfer = *static_cast<Transfer*>(self);
     const std::span<const std::byte> body(reinterpret_cast<const std::byte*>(bytes), one * count);
+    // The body of a redirect is no part of the object.
     if (isRedirect(transfer.head.status)) {
       transfer.redirect_bytes += body.size();
       return transfer.redirect_bytes <= kMostRedirectBytes ? body.size() : CURL_WRITEFUNC_ERROR;
@@ -168,6 +171,7 @@ HttpEnd HttpClient::get(const HttpGet& request, const StopToken& stop) {
   waiting_.push_back(&transfer);
   curl_multi_wakeup(multi_);
   while (!transfer.is_done) {
+    // A stop token has no way to wake this thread, so it is asked from time to time.
     ended_.waitUntil(lock, std::chrono::steady_clock::now() + kAskStopEvery);
     if (stop.isStopRequested() && !transfer.is_stopped) {
       transfer.is_stopped = true;
@@ -260,6 +264,7 @@ void HttpClient::run() {
       if (is_over_ && going.empty() && waiting_.empty()) return;
       fresh.assign(waiting_.begin(), waiting_.end());
       waiting_.clear();
+      // Only this thread touches libcurl's handles, so that a stop is carried out here.
       for (Transfer* transfer : going)
         if (transfer->is_stopped) stopped.push_back(transfer);
     }

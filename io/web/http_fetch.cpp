@@ -53,6 +53,7 @@ HttpFetch::HttpFetch(HttpClient& client, const std::string& name, const std::str
 std::string HttpFetch::range() const {
   if (has_room_) {
     if (got_ == 0 && wanted_.from == PieceBytes::From::kAll) return "";
+    // A further try asks for what is still missing.
     return fmt::format("{}-{}", next(), first_ + out_.size() - 1);
   }
   switch (wanted_.from) {
@@ -84,6 +85,7 @@ bool HttpFetch::takeHead(const HttpHead& head) {
       return true;
     }
     if (head.status != kOk && head.status != kPart) return true;
+    // Ranges of an encoded answer count its encoded bytes.
     if (head.is_encoded)
       failSystem(
           "{}: expected the object as it is, found a Content-Encoding; the server must not "
@@ -97,6 +99,7 @@ bool HttpFetch::takeHead(const HttpHead& head) {
           name_);
     if (!has_room_) {
       takeRoom(*whole, head.stamp);
+      // Bytes of two states of an object must not be mixed.
     } else if (*whole != whole_ || head.stamp != stamp_) {
       fail("{}: changed while it was read; open it again", name_);
     } else if (head.status == kOk && first_ == 0 && got_ > kMostSkippedBytes) {
@@ -161,6 +164,8 @@ HttpFetch::Outcome HttpFetch::run(const StopToken& stop, bool tries_again) {
   for (int tries = 1;; ++tries) {
     const uint64_t before = got_;
     head_ = {};
+    // A stamp asks whether the object has changed; with bytes in hand, that is no longer the
+    // question.
     const HttpEnd end = client_.get({url_, range(), has_room_ ? "" : cached_stamp_,
                                      [this](const HttpHead& h) { return takeHead(h); },
                                      [this](auto bytes) { return takeBody(bytes); }},
@@ -175,6 +180,7 @@ HttpFetch::Outcome HttpFetch::run(const StopToken& stop, bool tries_again) {
       return Outcome::kMissing;
     }
     if (head_.status != 0 && !is_answer && !mayPass(head_.status)) refuse(head_);
+    // A try that brings bytes begins the count of tries and the time anew.
     const uint64_t came = got_ > before ? got_ - before : 0;
     if (came >= (end.is_silent ? kLeastSilentTryBytes : kLeastTryBytes)) {
       since = Clock::now();
@@ -188,6 +194,7 @@ HttpFetch::Outcome HttpFetch::run(const StopToken& stop, bool tries_again) {
       failSystem("{}: {}; tried {} times in {:.0f} s; check the address, or try again later", name_,
                  why, std::max(tries, 1), spent);
     }
+    // Doubled from try to try, so that a busy server is not asked more and more often.
     const double wait = kFirstWait * static_cast<double>(1 << std::clamp(tries - 1, 0, 5));
     waitFor(std::clamp(head_.retry_after_s, std::min(wait, kMostWait), kMostWait), stop);
   }

@@ -42,6 +42,8 @@ std::string HttpStore::wholeKey(const std::string& key) const {
 }
 
 std::string HttpStore::urlOf(const std::string& key) const {
+  // Characters that a path may have as they are (RFC 3986, 3.3), and the percent sign of those that
+  // are escaped already.
   constexpr std::string_view kPlain = "-._~!$&'()*+,;=:@/%";
   std::string url = address_.server + "/";
   for (const char c : key) {
@@ -96,9 +98,11 @@ bool HttpStore::ask(const std::string& key, const Patience& patience) {
           return std::span(kept.bytes);
         },
         patience);
+    // Buckets that do not let their objects be listed answer so for one that is not there.
   } catch (const HttpForbidden&) {
   }
   const MutexLock lock(mutex_);
+  // If two threads asked, the first answer stays.
   return kept_.emplace(key, std::move(kept)).first->second.is_there;
 }
 
@@ -153,6 +157,7 @@ bool HttpStore::fetch(const std::string& key, const PieceBytes& wanted, const Ro
     return *given;
   };
   std::string cached_stamp = cached ? cached->stamp() : "";
+  // What this process has seen once is not asked for again.
   const bool is_checked = cached && known == cached_stamp;
   for (;;) {
     HttpFetch fetch(client_, name, url, wanted, once, known, cached_stamp);

@@ -168,6 +168,7 @@ std::optional<CachedPiece> PieceCache::find(const std::string& name) {
   Head head;
   std::string named, stamp;
   const int number = file.get();
+  // The name within the file tells whether its hash is that of another piece.
   if (!readAll(number, std::as_writable_bytes(std::span(&head, 1))) || head.magic != kMagic ||
       !readText(number, head.name_bytes, named) || named != name ||
       !readText(number, head.stamp_bytes, stamp)) {

@@ -72,6 +72,7 @@ bool LevelPacker::isLayerWanted(const ZarrPackFolder& folder, std::span<const in
 void LevelPacker::packLayers(ZarrPackFolder& folder, std::span<const int64_t> leading, int64_t end,
                              const StopToken& stop) {
   const auto isEnd = [&](size_t level) {
+    // A level's layer of chunks ends where the finest layer that it is made of does.
     return end % (levels()[level].step.z * chunk_voxels_) == 0 || end == planes_;
   };
   for (size_t level = 0; level < levels().size(); ++level)
@@ -82,6 +83,7 @@ void LevelPacker::packLayers(ZarrPackFolder& folder, std::span<const int64_t> le
     const HeldVoxels held{maker_.layerAt(level, end - 1), isSpreads(array)
                                                               ? maker_.layerSpreads(level)
                                                               : maker_.layerVoxels(level)};
+    // Chunks that an earlier run has written are left as they are.
     const std::vector<Vec3i> chunks = missingOf(folder, array, leading, held.box);
     pool_.parallelFor(static_cast<int64_t>(chunks.size()), [&](int64_t c) {
       stop.throwIfStopped();

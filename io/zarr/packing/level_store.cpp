@@ -57,6 +57,7 @@ std::string imageText(const VolumeLayout& layout, const LevelStorePlan& plan) {
 std::optional<LevelStorePlan> planLevelStore(const VolumeLayout& layout, Downsample how,
                                              uint64_t memory_bytes, int threads) {
   const int numbers = keepsSpreads(how) ? 2 : 1;
+  // Smaller chunks hold less while a level is made.
   for (const int64_t side : {64, 32, 16}) {
     LevelStorePlan plan{how, levelShapes(layout, side, std::nullopt), side, 0, 0};
     double voxels = 0, chunks = 0;
@@ -132,6 +133,7 @@ void LevelStoreWriter::layersBefore(int64_t end) {
   if (!fault_.empty()) return;
   try {
     levels_.packLayers(*folder_, {}, end, stop_);
+    // Levels are a convenience: a full disk must not end the pass that makes the index.
   } catch (const Error& error) {
     fault_ = error.what();
   }
@@ -141,6 +143,7 @@ bool LevelStoreWriter::finish() {
   if (!fault_.empty()) return false;
   try {
     folder_->complete(zarrGroupText(), image_text_, array_texts_);
+    // Not synced: the digest in the index file finds what a power cut has spoilt.
     folder_->finish({.replace = true, .sync = false});
   } catch (const Error& error) {
     fault_ = error.what();
@@ -152,6 +155,7 @@ LevelStore::LevelStore(const fs::path& folder, const VolumeLayout& finest, Downs
     : source_(std::make_unique<ZarrSource>(folder, ZarrOptions())) {
   const Vec3i chunk = source_->chunkVoxels();
   const std::vector<LevelShape> shapes = levelShapes(finest, chunk.x, std::nullopt);
+  // The store's own finest level is the volume's first coarser one.
   std::vector<CoarserLevel> found{{source_.get(), {}, source_->spreads()}};
   for (const CoarserLevel& level : source_->levelsAbove()) found.push_back(level);
   const std::vector<std::string>& notes = source_->layout().notes;

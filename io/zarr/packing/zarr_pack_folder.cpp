@@ -38,6 +38,7 @@ void syncFolder(const fs::path& folder, bool whole_file_system) {
     fsync(opened.get());
     return;
   }
+  // One call for all files of a store, of which there may be millions.
   if (syncfs(opened.get()) != 0)
     failErrno(fmt::format("{}: cannot be brought to the disk", folder.string()), errno);
 }
@@ -99,6 +100,7 @@ ZarrPackFolder::ZarrPackFolder(const fs::path& output, std::vector<PackedArray> 
     offsets_.resize(chunks_.size());
     ends_.resize(static_cast<size_t>(first_files_.back()));
   }
+  // In this order: only who holds the lock may look at what is there.
   lock();
   checkParameters(source_identity, parameters, others);
   for (const PackedArray& packed : arrays_) makeFolders(store_ / packed.folder);
@@ -140,6 +142,7 @@ void ZarrPackFolder::append(int64_t chunk, std::span<const std::byte> stored, ui
     return Descriptor(open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666));
   };
   Descriptor file = openShard();
+  // Folders of chunks are made when the first chunk needs them: most chunks find theirs.
   if (!file && errno == ENOENT) {
     makeFolders(path.parent_path());
     file = openShard();
@@ -158,6 +161,8 @@ void ZarrPackFolder::writeIndices(size_t array_number) {
     const uint64_t end = ends_[static_cast<size_t>(first_files_[array_number] + shard)];
     if (end == 0) continue;  // all fill value
     const std::vector<int64_t> at = array.fileIndex(shard);
+    // Chunks that are all fill value are marked by two numbers of all ones (Zarr v3, sharding
+    // codec).
     std::vector<uint64_t> index(2 * count, UINT64_MAX);
     for (size_t i = 0; i < count; ++i) {
       const std::vector<int64_t> inside = chunkIndexIn(array, at, static_cast<int64_t>(i));
@@ -193,6 +198,7 @@ void ZarrPackFolder::store(int64_t chunk, std::span<const std::byte> stored, int
     record.bytes += kShardCrcBytes;
     {
       const MutexLock lock(mutex_);
+      // The place is taken under the lock, and the bytes are written without it.
       record.offset = std::exchange(ends_[shardOf(chunk)], ends_[shardOf(chunk)] + record.bytes);
     }
     append(chunk, stored, record.offset);
@@ -210,6 +216,7 @@ void ZarrPackFolder::store(int64_t chunk, std::span<const std::byte> stored, int
     }
   }
   const MutexLock lock(mutex_);
+  // After the chunk is in its place: the journal never names one that was not written.
   journal_->add(record);
   chunks_[record.chunk] = {record.bytes, record.checksum};
   if (hasShards()) offsets_[record.chunk] = record.offset;
@@ -258,6 +265,7 @@ void ZarrPackFolder::finish(const FinishOptions& options) {
 }
 
 void ZarrPackFolder::putInPlace(const FinishOptions& options) {
+  // All bytes are on the disk before the store has its name.
   if (options.sync) syncFolder(folder_, true);
   requireFreeName(output_, options.replace);
   if (fs::exists(output_)) {

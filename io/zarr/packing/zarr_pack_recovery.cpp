@@ -51,6 +51,7 @@ void ZarrPackFolder::lock() {
     if (!is_ours)
       failRequest("{}: another sluice is packing to it; wait for it or choose another name",
                   output_.string());
+    // Else the lock is on a file that another process has removed since.
     struct stat opened = {}, named = {};
     if (fstat(file.get(), &opened) == 0 && stat(path.c_str(), &named) == 0 &&
         opened.st_ino == named.st_ino) {
@@ -71,6 +72,7 @@ void ZarrPackFolder::checkParameters(const std::string& source_identity,
     std::string found(std::min<uint64_t>(file.sizeBytes(), 1 << 20), '\0');
     file.readAt(0, std::as_writable_bytes(std::span(found)));
     if (found == text) return;
+    // Damaged by a power cut, it may be no JSON.
     const nlohmann::json theirs = nlohmann::json::parse(found, nullptr, false);
     reason = !theirs.is_object() || theirs.value("source", "") == ours["source"]
                  ? "with other options"
@@ -78,6 +80,7 @@ void ZarrPackFolder::checkParameters(const std::string& source_identity,
   } else {
     for (const auto& entry : fs::directory_iterator(folder_)) {
       const std::string name = entry.path().filename().string();
+      // An interrupted start leaves no more than these two.
       if (name != "lock" && !name.starts_with("pack.json")) reason = "by another program";
     }
   }
@@ -95,6 +98,7 @@ void ZarrPackFolder::checkParameters(const std::string& source_identity,
         "it to start again",
         folder_.string(), reason);
   }
+  // Before the first chunk, so that chunks of unknown origin are never taken over.
   AtomicFile file(path);
   file.write(text);
   file.commit();
@@ -127,6 +131,7 @@ int64_t ZarrPackFolder::recover(WorkerPool& pool, ProgressMeter& progress, const
     if (!hasShards() || record.bytes == 0) continue;
     offsets_[record.chunk] = record.offset;
     uint64_t& end = ends_[shardOf(static_cast<int64_t>(record.chunk))];
+    // Also of chunks that turn out to be damaged: their place is not used again.
     end = std::max(end, record.offset + record.bytes);
   }
   std::atomic<int64_t> done = 0;
@@ -136,6 +141,7 @@ int64_t ZarrPackFolder::recover(WorkerPool& pool, ProgressMeter& progress, const
     if (!checkChunk(chunk)) return;
     {
       const MutexLock lock(mutex_);
+      // A chunk may be noted twice: if it was damaged after an earlier run, it was written again.
       if (std::exchange(done_[static_cast<size_t>(chunk)], 1) != 0) return;
     }
     ++done;

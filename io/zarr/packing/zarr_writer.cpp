@@ -147,6 +147,8 @@ class Packer {
       };
       const bool is_done = std::all_of(chunks.begin(), chunks.end(),
                                        [&](Vec3i chunk) { return folder.isDone(numberOf(chunk)); });
+      // Coarser levels are made from level 0's voxels, so that these may be read although their
+      // chunks are done.
       const bool makes_levels =
           !known_empty && std::ranges::any_of(levels_, [&](const auto& levels) {
             return levels->isLayerWanted(folder, leading, slab.lo.z);
@@ -305,6 +307,7 @@ class Packer {
   // All threads at work on planes of the slab: each plane of a file is read by one of them, once.
   void read(StoreVolume of, const Box3& slab, std::byte* out) {
     const int64_t planes = slab.size().z;
+    // Twice as many pieces as threads, so that none waits long for the last one.
     const int64_t pieces = std::min<int64_t>(planes, 2 * pool_.threads());
     const int64_t plane_bytes = slab.size().x * slab.size().y * voxel_;
     pool_.parallelFor(pieces, [&](int64_t i) {
@@ -369,6 +372,7 @@ PackReport packZarr(ChannelSources channels, const std::filesystem::path& output
   const std::filesystem::path store =
       folder.complete(zarrGroupText(format), image_text, array_texts);
   report.pack_seconds = watch.seconds();
+  // Before the store has its name, so that a store of that name was compared.
   if (options.verify) packer.verify(store);
   report.verify_seconds = watch.seconds() - report.pack_seconds;
 

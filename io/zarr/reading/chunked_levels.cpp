@@ -59,6 +59,7 @@ void ChunkedSource::openLevels(const ChunkedVolume& volume) {
     level_groups_.push_back({group.values, {}, {}});
   std::vector<size_t> datasets;  // of level_sources_
   for (size_t i = 1; i < volume.image.levels.size(); ++i) {
+    // A level that is damaged costs the picture its detail at a distance, and not the volume.
     std::string fault;
     try {
       std::unique_ptr<ChunkedSource> source = openPart(volume, volume.open(i), i);
@@ -161,6 +162,7 @@ void ChunkedSource::placeLevels(const ChunkedVolume& volume, const std::vector<s
                                  ? LevelValues::kMeans
                                  : image.level_values});
   }
+  // Other programs list levels in any order.
   std::stable_sort(levels_above_.begin(), levels_above_.end(),
                    [](const CoarserLevel& a, const CoarserLevel& b) {
                      const Vec3d f = a.placement.scale, g = b.placement.scale;

@@ -126,10 +126,12 @@ std::optional<StoredReads> ChunkedSource::storedReads(int64_t time, std::span<co
 }
 
 void ChunkedSource::holdAtMost(uint64_t bytes) {
+  // The levels share the image's cache.
   if (part_ == Part::kLevel) return;
   std::vector<ChunkedArray*> indexed{array_.get()};
   for (const ChunkedSource* source : sourcesAbove()) indexed.push_back(source->array_.get());
   std::erase_if(indexed, [](const ChunkedArray* array) { return array->indexBytes() == 0; });
+  // An eighth for the indices of shards, shared by the arrays that have some.
   const uint64_t each = indexed.empty() ? 0 : bytes / 8 / indexed.size();
   for (ChunkedArray* array : indexed) array->holdIndices(each);
   cache_->setBudget(bytes - each * indexed.size());
@@ -179,6 +181,7 @@ std::vector<int64_t> ChunkedSource::indexAt(std::span<const int64_t> parts, int6
 }
 
 ZarrChunkCache::Chunk ChunkedSource::load(int64_t chunk, ChunkMemory& memory) {
+  // A chunk without a file is all fill value.
   if (std::shared_ptr<CountedBytes> loaded = array_->load(chunk, memory)) return loaded;
   const uint64_t bytes = array_->array().chunkBytes();
   auto filled = std::make_shared<CountedBytes>(bytes, memory);
@@ -281,6 +284,7 @@ std::optional<Occupancy> ChunkedSource::occupancy(int64_t time) {
       occupancy.boxes.push_back(box);
   }
   const Vec3i grid{ceilDiv(dims.x, step.x), ceilDiv(dims.y, step.y), ceilDiv(dims.z, step.z)};
+  // Nothing is known to be empty.
   if (present == volume(grid)) return std::nullopt;
   return occupancy;
 }

@@ -32,6 +32,7 @@ StackedArray::StackedArray(int64_t times, int64_t channels, int64_t channel,
   array_.shape.insert(array_.shape.begin(), {times, channels});
   array_.chunks.insert(array_.chunks.begin(), {1, 1});
   array_.files = array_.chunks;
+  // Each array decodes its own shards and byte order, so that the stack has plain chunks.
   array_.shards.reset();
   array_.byte_order = std::endian::native;
   for (size_t& axis : array_.order) axis += kAxesInFront;

@@ -45,6 +45,7 @@ void checkArray(ZarrChunkFiles& files, CheckReport& report, WorkerPool& pool,
   });
   report.chunks += found;
   if (!is_listed) return;
+  // A chunk that was not packed has been added since.
   for (const int64_t chunk : files.onDisk())
     if (files.stored(chunk).bytes == 0)
       report.faults.push_back(

@@ -62,6 +62,7 @@ std::optional<std::vector<StoredChunk>> readZarrChecksums(const StorePlace& fold
     fail("{}: no checksums of this version of sluice and kind of machine; {}", path, kRemedy);
   if (header.header_checksum != ownChecksum(header))
     fail("{}: damaged in its header; {}", path, kRemedy);
+  // The checksums hold for one layout of chunks, which the metadata beside them tells.
   if (header.array_checksum != zarrChecksum(std::as_bytes(std::span(array_text))) ||
       header.chunk_count != static_cast<uint64_t>(chunk_count))
     fail("{}: of another .zarray than the one beside it, which was damaged or changed; {}", path,

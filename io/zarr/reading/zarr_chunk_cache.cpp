@@ -17,6 +17,7 @@ ChunkMemory::Buffer ChunkMemory::take(uint64_t bytes) {
   const MutexLock lock(mutex_);
   auto best = kept_.end();
   for (auto buffer = kept_.begin(); buffer != kept_.end(); ++buffer)
+    // Not more than twice as large, so that small chunks do not hold large buffers.
     if (buffer->size >= bytes && buffer->size / 2 <= bytes &&
         (best == kept_.end() || buffer->size < best->size))
       best = buffer;
@@ -38,6 +39,7 @@ ChunkMemory::Buffer ChunkMemory::take(uint64_t bytes) {
 
 void ChunkMemory::give(Buffer buffer) {
   const MutexLock lock(mutex_);
+  // Kept, since a fresh buffer costs a page fault for every 4 KiB.
   if (now_ <= limit_bytes_ && kept_.size() < kMostKept)
     kept_.push_back(std::move(buffer));
   else

@@ -34,6 +34,7 @@ std::optional<int64_t> indexIn(std::string_view text, int64_t end) {
   int64_t value = 0;
   const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc() || stop != text.data() + text.size() || value < 0 || value >= end ||
+      // A name such as 007 is no chunk's.
       std::to_string(value) != text)
     return std::nullopt;
   return value;
@@ -85,6 +86,7 @@ const std::vector<int64_t>& ZarrChunkFiles::existing() {
 
 bool ZarrChunkFiles::exists(int64_t chunk) {
   if (checksums_) {
+    // The checksums tell which chunks there are, without a look at the folder.
     if (stored(chunk).bytes > 0) return true;
     if (folder_.store->canList() && folder_.has(array_.fileName(array_.placeOf(chunk).file)))
       fail("{}: expected no such chunk, as packed, found one; {}", path(chunk), kMendStore);
@@ -94,6 +96,7 @@ bool ZarrChunkFiles::exists(int64_t chunk) {
   if (areKnown()) {
     const std::vector<int64_t>& all = existing();
     if (!std::binary_search(all.begin(), all.end(), place.file)) return false;
+    // On the web each question is a request.
   } else if (isRememberedMissing(place.file)) {
     return false;
   }
@@ -259,6 +262,7 @@ void ZarrChunkFiles::readIndex(int64_t number, std::span<std::byte> index) {
     return index;
   });
   if (!is_there) {
+    // A shard without a file has no chunks.
     rememberMissing(number);
     return ZarrShardIndices::setMissing(index);
   }
@@ -282,6 +286,7 @@ std::optional<uint64_t> ZarrChunkFiles::read(
       fail("{}: expected {} bytes, as packed, found {}; the chunk is damaged, {}", path,
            stored(chunk).bytes, piece.bytes, kMendStore);
     if (!indices_) wanted.bytes = piece.bytes;
+    // The index comes from the file, so its places are checked before room is made.
     if (wanted.offset > piece.bytes || wanted.bytes > piece.bytes - wanted.offset)
       fail(
           "{}: expected chunks within its {} bytes, found one of {} at {}; the shard was cut short",
@@ -291,6 +296,7 @@ std::optional<uint64_t> ZarrChunkFiles::read(
     if (array_.is_n5)
       checkN5Size(wanted.bytes, array_.chunkBytes(), path);
     else
+      // Before room is made: a damaged size must not take memory.
       checkStoredSize(array_.codec, wanted.bytes - behind, array_.chunkBytes(), path);
     out = room(wanted.bytes);
     return out;
@@ -330,6 +336,7 @@ std::shared_ptr<CountedBytes> ZarrChunkFiles::load(int64_t chunk, ChunkMemory& m
     const std::string path = this->path(chunk);
     const N5Block block = array_.is_n5 ? parseN5Block(array_, chunk, file, path) : N5Block{file};
     const uint64_t bytes = array_.is_n5 ? block.bytes : array_.chunkBytes();
+    // Before the decoded chunk has room: a few bytes cannot hold a large chunk.
     checkStored(array_.codec, block.stored, bytes, path);
     decoded = std::make_shared<CountedBytes>(array_.chunkBytes(), memory);
     decodeChunk(array_.codec, block.stored, decoded->span().first(bytes), path);

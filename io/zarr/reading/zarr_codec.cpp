@@ -16,7 +16,10 @@
 namespace sluice {
 namespace {
 
+// The most that a format can make of a byte: more is claimed only by a damaged file, or to take
+// memory. Deflate: 258 bytes for two bits (RFC 1951).
 constexpr uint64_t kMostDeflateRatio = 1032;
+// A byte of a length stands for 255 bytes.
 constexpr uint64_t kMostLz4Ratio = 255;
 constexpr uint64_t kMostXzRatio = 8192;
 constexpr uint64_t kMostXzMemory = uint64_t{80} << 20;          // its dictionary of up to 64 MiB
