@@ -37,6 +37,7 @@ int openUnnamed(const std::string& folder) {
     failErrno(
         fmt::format("{}: no temporary file for decoding; set TMPDIR to a folder with room", folder),
         errno);
+  // Without a name, the file goes with the process, however that ends.
   unlink(pattern.c_str());
   return named;
 }
@@ -70,6 +71,7 @@ DecodedFile::DecodedFile(std::vector<EncodedFile> inputs, Codec codec, VoxelType
     const uint64_t size = std::min(input.file->sizeBytes(), input.end_bytes);
     const uint64_t encoded = size - std::min(size, input.offset_bytes);
     // Each voxel takes at least a digit and, except the last, a separator of the text.
+    // Checked before a disk is filled: a header may claim more than the data can hold.
     const uint64_t most = codec_ == Codec::kDeflate ? encoded * kMaxDeflateRatio
                                                     : (encoded + 1) / 2 * bytesPerVoxel(type_);
     if (input.keep_bytes > most || input.skip_bytes > most - input.keep_bytes)
@@ -104,6 +106,7 @@ std::unique_ptr<Decoder> DecodedFile::open(const EncodedFile& input) const {
 void DecodedFile::decodeOnce() {
   const MutexLock lock(mutex_);
   if (descriptor_ >= 0) return;
+  // Several threads ask: the first one decodes, and the others get its result.
   if (!failure_.empty()) throw Error(failure_);
   try {
     const std::string folder = temporaryFolder(options_);
@@ -141,6 +144,7 @@ void DecodedFile::decodeAll(const std::string& folder, int descriptor) {
         fail("{}: {} expected, {} found{}", input.file->path(), arithmetic_, done,
              decoder->finished() ? "" : " before the compressed stream breaks off");
     }
+    // Read to the end, since the checksum comes last.
     std::array<std::byte, 8> more;
     if (decoder->read(more) > 0)
       fail("{}: {} expected, the stream goes on after them", input.file->path(), arithmetic_);

@@ -73,6 +73,7 @@ uint64_t rawOffset(const File& file, uint64_t start, const VolumeDescription& de
   const uint64_t size = file.sizeBytes();
   const bool at_end = description.byte_skip == VolumeDescription::kSkipToEnd;
   const uint64_t skip = at_end ? 0 : static_cast<uint64_t>(description.byte_skip);
+  // Subtracted step by step, so that no sum can wrap.
   if (size < wanted || size - wanted < start || size - wanted - start < skip)
     fail("{}: {} expected, {} found; the file was truncated or its header is wrong", file.path(),
          sizeArithmetic(description.layout, static_cast<int64_t>(start + skip), files), size);
@@ -89,6 +90,7 @@ std::string readHead(File& file, const std::function<bool(std::string_view)>& co
     text.resize(wanted);
     const size_t got = file.readSome(have, std::as_writable_bytes(std::span(text)).subspan(have));
     text.resize(have + got);
+    // Headers have no length of their own: read on until the end is there.
     if (text.size() < wanted || complete(text)) return text;
     if (wanted >= kMostHeadBytes)
       fail("{}: no end of the header within the first {} bytes", file.path(), kMostHeadBytes);

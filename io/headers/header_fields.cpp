@@ -14,6 +14,7 @@ constexpr size_t kQuotedCharacters = 60;
 
 template <class T>
 std::optional<T> parseAll(std::string_view text) {
+  // std::from_chars() takes no plus sign.
   if (text.size() > 1 && text[0] == '+' && text[1] != '-') text.remove_prefix(1);
   T value{};
   const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);

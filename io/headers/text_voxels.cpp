@@ -43,6 +43,7 @@ std::string_view TextVoxels::nextToken() {
   size_t length = 0;
   for (;;) {
     while (begin_ + length < end_ && !separates(text_[begin_ + length])) ++length;
+    // A number may be cut by the end of what was read, so that more is read first.
     if (begin_ + length < end_ || length > kMaxTokenBytes || !refill()) break;
   }
   const std::string_view token(text_.data() + begin_, length);

@@ -39,7 +39,8 @@ std::string plyHeader(const std::string& title, uint64_t vertices, uint64_t tria
         kIsLittle ? "little" : "big", softwareMark(), title, std::string(padding, ' '), vertices,
         triangles);
   };
-  // Readers count on plain numbers, so the comment makes up for their digits.
+  // Readers expect numbers without leading zeros, so the comment makes up for their digits: the
+  // header is written again at the end and must have the same length.
   constexpr size_t kMostDigits = std::numeric_limits<uint64_t>::digits10 + 1;
   const size_t digits = std::to_string(vertices).size() + std::to_string(triangles).size();
   return header(2 * kMostDigits - digits);

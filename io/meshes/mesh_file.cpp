@@ -64,6 +64,8 @@ MeshFile::MeshFile(const fs::path& path, MeshFormat format, std::string title)
       encoding_(encodingOf(format)),
       title_(oneLine(std::move(title))),
       file_(seekable(path)) {
+  // PLY and OBJ have all vertices before the triangles, which come together: triangles wait in a
+  // file.
   if (encoding_.vertices != nullptr) waiting_.emplace(waitingName(path));
   writeHeader();
 }

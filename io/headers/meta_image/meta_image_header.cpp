@@ -163,6 +163,7 @@ VoxelType elementType(const Fields& fields) {
        {"MET_SHORT", VoxelType::kI16},
        {"MET_UINT", VoxelType::kU32},
        {"MET_INT", VoxelType::kI32},
+       // MetaIO writes four bytes for both, whatever the machine's long is.
        {"MET_ULONG", VoxelType::kU32},
        {"MET_LONG", VoxelType::kI32},
        {"MET_FLOAT", VoxelType::kF32},
@@ -219,6 +220,7 @@ void readGeometry(const Fields& fields, size_t dimension, VolumeLayout& layout) 
     const double size = spacing.empty() ? 1 : spacing[axis];
     for (size_t i = 0; i < axes; ++i) {
       const double direction = matrix.empty() ? (i == axis ? 1 : 0) : matrix[axis * dimension + i];
+      // A row of the matrix is the direction of an axis.
       steps[axis][static_cast<int>(i)] = direction * size;
     }
     if (!offset.empty()) origin[static_cast<int>(axis)] = offset[axis];

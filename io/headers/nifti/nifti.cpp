@@ -45,6 +45,7 @@ std::string imageBeside(const std::string& header) {
 
 std::unique_ptr<VolumeSource> openNifti(const std::filesystem::path& path,
                                         const DecodeOptions& decode) {
+  // Either file of a pair may be named.
   const std::string header_of_image = withEnding(path.string(), ".img", ".hdr");
   auto file = std::make_shared<File>(header_of_image.empty() ? path.string() : header_of_image);
   std::array<std::byte, kNiftiHeaderBytes> bytes{};

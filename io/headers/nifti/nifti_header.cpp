@@ -117,6 +117,8 @@ void readDims(const NiftiFields& f, const std::string& path, VolumeLayout& layou
   for (size_t i = 1; i <= static_cast<size_t>(count); ++i) {
     dim[i] = f.dim[i];
     if (dim[i] < 1) fail("{}: dim[{}] is {}, it must be 1 or more", path, i, dim[i]);
+    // Dimension 5 holds several values a voxel; 6 and 7 have no fixed meaning (NIfTI-1,
+    // DIMENSIONS).
     if (i > 4 && dim[i] > 1)
       fail("{}: dim[{}] is {}; only volumes of one value per voxel and time step are read", path, i,
            dim[i]);
@@ -174,12 +176,15 @@ void noteSlips(const NiftiFields& f, const std::string& path, VolumeLayout& layo
 void readGeometry(const NiftiFields& f, const std::string& path, VolumeLayout& layout) {
   std::vector<Vec3d> steps(3);
   Vec3d origin;
+  // Method 3 (sform) before method 2 (qform): the standard leaves the choice, and nibabel and ITK
+  // take the sform first.
   if (f.sform_code > 0) {
     for (size_t axis = 0; axis < 3; ++axis)
       steps[axis] = {f.srow[0][axis], f.srow[1][axis], f.srow[2][axis]};
     origin = {f.srow[0][3], f.srow[1][3], f.srow[2][3]};
   } else if (f.qform_code > 0) {
     const std::array<Vec3d, 3> columns = rotationColumns(f, path);
+    // pixdim[0] is qfac: a left-handed image has -1, and 0 counts as 1 (NIfTI-1, METHOD 2).
     const double handedness = f.pixdim[0] < 0 ? -1 : 1;
     for (size_t axis = 0; axis < 3; ++axis)
       steps[axis] = columns[axis] * (voxelSize(f, axis) * (axis == 2 ? handedness : 1));
@@ -217,6 +222,7 @@ NiftiHeader parseNiftiHeader(std::span<const std::byte> bytes, const std::string
   if (bytes.size() < kNifti1Bytes)
     fail("{}: no NIfTI file: {} bytes, the header alone has {}", path, bytes.size(), kNifti1Bytes);
   bool swapped = false;
+  // The header's own size tells the byte order and the version.
   for (const bool candidate : {false, true}) {
     const int32_t size = firstNumber(bytes, candidate);
     if (size == static_cast<int32_t>(kNifti1Bytes) ||
@@ -253,6 +259,7 @@ NiftiHeader parseNiftiHeader(std::span<const std::byte> bytes, const std::string
   checkedVolumeBytes(path, layout);
   readGeometry(fields, path, layout);
   noteSlips(fields, path, layout);
+  // A slope of 0 means that values are not scaled (NIfTI-1, DATA SCALING).
   if (!std::isnan(fields.scl_slope) && fields.scl_slope != 0)
     setValueScale(path, fields.scl_slope, fields.scl_inter, layout);
   description.byte_skip = voxelOffset(fields, header.pair, path);

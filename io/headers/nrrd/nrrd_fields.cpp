@@ -77,6 +77,7 @@ NrrdFields readNrrdFields(std::string_view text, const std::string& path) {
     }
     const size_t colon = line->find(':');
     const bool key_value = colon != std::string_view::npos && line->substr(colon, 2) == ":=";
+    // Comments, and key/value pairs of programs ("key:=value"), are no fields.
     if (line->front() == '#' || key_value) continue;
     if (colon == std::string_view::npos)
       fail("{}: header line {} is no 'field: value'", path, inQuotes(*line));

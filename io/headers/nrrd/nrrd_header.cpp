@@ -113,8 +113,8 @@ void readSpacings(const NrrdFields& fields, std::span<Axis> axes) {
   const auto words = perAxis(fields, "spacings", *text, axes.size());
   for (size_t i = 0; i < axes.size(); ++i) {
     const double spacing = real(fields, "spacings", words[i]);
-    if (!std::isnan(spacing))
-      axes[i].spacing = spacing;
+    if (!std::isnan(spacing)) axes[i].spacing = spacing;
+    // A spacing that is no number marks an axis that is not of space, such as time.
     else if (axes.size() > 3)
       axes[i].spatial = false;
   }
@@ -205,6 +205,7 @@ std::vector<Axis> readAxes(const NrrdFields& fields) {
 
 // Removes the slowest axis if it counts time steps, and axes of one element that are not of space.
 int64_t takeTimeSteps(const NrrdFields& fields, std::vector<Axis>& axes) {
+  // Such an axis, for instance of one component, changes nothing.
   std::erase_if(axes, [](const Axis& axis) { return !axis.spatial && axis.size == 1; });
   int64_t steps = 1;
   if (!axes.empty() && (!axes.back().spatial || axes.size() == 4)) {

@@ -54,6 +54,7 @@ void demandExactSize(const File& file, const VolumeDescription& description,
   const uint64_t voxels_bytes = static_cast<uint64_t>(checkedVolumeBytes(file.path(), layout));
   const uint64_t skip = static_cast<uint64_t>(description.byte_skip);
   const uint64_t size = file.sizeBytes();
+  // Exactly: dimensions that are wrong would show a sheared volume, and no error.
   if (size == voxels_bytes + skip) return;
   const uint64_t rest = size - std::min(size, skip);
   std::string advice = options.is_over ? nameAdvice() : "give --dims, --type or --skip";

@@ -57,6 +57,7 @@ class RawSource::Gather {
   void add(ByteStore& store, uint64_t offset, std::byte* to, uint64_t bytes) {
     if (!pieces_.empty() && store_ == &store) {
       Piece& last = pieces_.back();
+      // Adjacent in the file and in memory: read straight into its place.
       if (offset == end_ && last.to + last.bytes == to && pieces_.size() == 1) {
         last.bytes += bytes;
         end_ += bytes;
@@ -71,6 +72,7 @@ class RawSource::Gather {
         return;
       }
     }
+    // Too far away, of another file, or before the last one.
     flush();
     store_ = &store;
     pieces_.push_back({offset, to, bytes});
@@ -210,6 +212,7 @@ void RawSource::readRegion(int64_t time, const Box3& box, std::span<std::byte> o
 
 void RawSource::readRegions(int64_t time, std::span<const RegionRead> regions) {
   if (regions.empty()) return;
+  // Regions side by side in the same rows are read in one go, each row of the file once.
   if (regions.size() > 1 && !sameRows(regions)) {
     VolumeSource::readRegions(time, regions);
     return;
