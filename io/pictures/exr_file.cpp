@@ -189,6 +189,7 @@ struct ExrFile::Impl {
     } catch (const Error&) {
       throw;
     } catch (const std::exception& e) {
+      // The stream's own failure (a full disk) tells more than OpenEXR's words about it.
       stream.throwFailure();
       failSystem("{}: cannot be written: {}", path.string(), e.what());
     }
@@ -242,6 +243,7 @@ ExrContents readExr(const std::filesystem::path& path) {
     const Imath::Box2i window = header.dataWindow();
     const int64_t width = int64_t{window.max.x} - window.min.x + 1;
     const int64_t height = int64_t{window.max.y} - window.min.y + 1;
+    // A data window is read from the file; its product must not overflow before memory is taken.
     if (width < 1 || height < 1 || width > kMaxPixels / height)
       fail("{}: EXR of {} x {} pixels, expected 1 to {} in all", path.string(), width, height,
            kMaxPixels);
@@ -253,6 +255,7 @@ ExrContents readExr(const std::filesystem::path& path) {
     Imf::FrameBuffer buffer;
     for (size_t c = 0; c < kChannels.size(); ++c)
       buffer.insert(kChannels[c],
+                    // Files without a channel A are opaque.
                     floatSlice(picture.rgba.data() + c, window, kPixelFloats, c == 3 ? 1 : 0));
     if (header.channels().findChannel("Z") != nullptr) {
       picture.depth.resize(static_cast<size_t>(width * height));

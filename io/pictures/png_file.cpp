@@ -94,6 +94,7 @@ class Encoder {
           const StopToken& stop = {})
       : name_(std::move(name)), writer_(std::move(sink), stop) {
     SLUICE_CHECK(width > 0 && height > 0);
+    // ~Writer() frees both structs, also if this constructor throws: members are complete by then.
     writer_.png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &writer_, Writer::onError,
                                           Writer::onWarning);
     writer_.info = writer_.png == nullptr ? nullptr : png_create_info_struct(writer_.png);
@@ -110,6 +111,7 @@ class Encoder {
  private:
   void require(bool is_written) const {
     writer_.stop.throwIfStopped();
+    // The sink's own error first: it says why, libpng only that a write failed.
     if (writer_.thrown) std::rethrow_exception(writer_.thrown);
     if (!is_written) failSystem("{}: cannot be written: {}", name_, writer_.message);
   }
@@ -183,6 +185,7 @@ Rgba8Picture readPng(const std::filesystem::path& path) {
   image.version = PNG_IMAGE_VERSION;
   if (png_image_begin_read_from_memory(&image, stored.data(), stored.size()) == 0)
     fail("{}: no readable PNG: {}", path.string(), image.message);
+  // The header alone is read so far: a few bytes may claim a picture of any size.
   if (uint64_t{image.width} * image.height > kMaxPixels) {
     png_image_free(&image);
     fail("{}: PNG of {} x {} pixels, expected at most {}", path.string(), image.width, image.height,

@@ -62,6 +62,7 @@ DeflateRows::DeflateRows(std::vector<std::byte> stored, const DeflateForm& form,
       form_(form),
       where_(std::move(where)),
       stream_(std::make_unique<Stream>()) {
+  // zlib counts its input in 32 bits.
   if (stored_.size() > std::numeric_limits<uInt>::max())
     fail("{}: {} compressed bytes, expected fewer than 4 GiB", where_, stored_.size());
   stream_->zlib.next_in = reinterpret_cast<Bytef*>(const_cast<std::byte*>(stored_.data()));
@@ -77,6 +78,7 @@ size_t DeflateRows::inflateInto(std::span<std::byte> out) {
   z_stream& zlib = stream_->zlib;
   zlib.next_out = reinterpret_cast<Bytef*>(out.data());
   zlib.avail_out = static_cast<uInt>(out.size());
+  // A stream may end early or late: next() and finish() say which of the two is wrong.
   while (!ended_ && zlib.avail_out > 0) {
     const int status = inflate(&zlib, Z_NO_FLUSH);
     ended_ = status == Z_STREAM_END;
@@ -99,6 +101,7 @@ void DeflateRows::next(std::span<std::byte> out) {
          done_bytes_, form_.row_bytes);
   if (form_.predictor == TiffPredictor::kFloatingPoint)
     return undoFloatingPoint(out, form_.sample_bytes, form_.samples, planes_);
+  // TIFF 6, section 14: differences are of numbers, so that these need this machine's order first.
   if (form_.swapped) swapBytes(out, form_.sample_bytes);
   if (form_.predictor == TiffPredictor::kHorizontal)
     accumulate(out, form_.sample_bytes, form_.samples);
@@ -107,6 +110,7 @@ void DeflateRows::next(std::span<std::byte> out) {
 void DeflateRows::finish() {
   const uint64_t most = form_.row_bytes * static_cast<uint64_t>(form_.rows);
   std::array<std::byte, 4096> padding;
+  // zlib compares the checksum only at the stream's end, perhaps behind rows that pad a last strip.
   while (!ended_) {
     inflateInto(padding);
     if (done_bytes_ > most)

@@ -44,6 +44,7 @@ void addPlane(const Fields& plane, OmePixels& pixels) {
     return numberIn<int64_t>(fieldOf(plane, name)).value_or(-1);
   };
   const int64_t slice = numberOf("TheZ");
+  // A volume has one place, for all of its channels and steps.
   if (numberOf("TheC") != 0 || numberOf("TheT") != 0 || slice < 0) return;
   if (slice == 0) pixels.first_plane = plane;
   if (const auto depth = numberIn<double>(fieldOf(plane, "PositionZ")))
@@ -60,9 +61,11 @@ OmePixels pixelsIn(std::string_view xml) {
     return count;
   };
   const auto begin = [&](const XmlTag& tag) {
+    // Writers choose a prefix of the namespace as they like, such as "ome:Pixels".
     const std::string_view name = tag.name.substr(tag.name.find(':') + 1);
     if (name == "BinaryOnly") pixels.companion = fieldOf(fieldsOf(tag), "MetadataFile");
     if (name == "Pixels") {
+      // Only the first image of a file is read; stopping here spares a long description.
       if (pixels.was_found) return false;
       pixels.was_found = is_inside = true;
       pixels.fields = fieldsOf(tag);
@@ -110,10 +113,12 @@ std::vector<std::string> filesOf(const std::vector<TiffBlock>& blocks) {
 
 // Places the planes as the blocks say. False if they do not name each plane once.
 bool placePlanes(const std::vector<TiffBlock>& blocks, int64_t pages, PageOrder& order) {
+  // Without blocks, pages follow DimensionOrder one by one.
   if (blocks.empty()) return planesOf(order) == pages;
   constexpr int64_t kMostOfSet = 1'000'000;
   const int64_t planes = planesOf(order);
   const bool is_set = !order.files.empty();
+  // SizeZ, SizeC and SizeT are text of the file: their product is an allocation below.
   if (is_set ? planes < 1 || planes > kMostOfSet : planes != pages) return false;
   constexpr PagePlace kNowhere{0, -1};
   std::vector<PagePlace> places(static_cast<size_t>(planes), kNowhere);
@@ -124,12 +129,14 @@ bool placePlanes(const std::vector<TiffBlock>& blocks, int64_t pages, PageOrder&
     };
     const int64_t page = numberOr("IFD", 0);
     const bool says_page = block.fields.count("IFD") > 0;
+    // OME: without PlaneCount, IFD names one plane, and no IFD stands for all pages of the file.
     const int64_t count = numberOr("PlaneCount", says_page ? 1 : pages);
     const int64_t z = numberOr("FirstZ", 0), c = numberOr("FirstC", 0), t = numberOr("FirstT", 0);
     if (z < 0 || z >= order.slices || c < 0 || c >= order.channels || t < 0 || t >= order.frames ||
         page < 0 || page > kMostPlanes || count < 1)
       return false;
     const int64_t first = order.plane(t, z, c);
+    // Neither the list of planes nor, in a single file, the pages may be left.
     if (count > planes - first || (!is_set && count > pages - page)) return false;
     const auto file = std::find(order.files.begin(), order.files.end(), block.file);
     const auto number = static_cast<uint32_t>(is_set ? file - order.files.begin() : 0);
@@ -147,6 +154,7 @@ std::optional<double> omeLength(const Fields& pixels, std::string_view axis,
   const auto size = numberIn<double>(fieldOf(pixels, name));
   const std::string own = fieldOf(pixels, name + "Unit");
   if (!size) return std::nullopt;
+  // OME's default unit of a physical size is the micrometer.
   return lengthOr1(*size * unitRatio(own.empty() ? "micrometer" : lengthUnit(own), unit));
 }
 
@@ -171,6 +179,8 @@ std::optional<double> stepOfPlanes(const OmePixels& pixels, const PageOrder& ord
   for (int64_t z = 0; z < count; ++z) {
     const auto& [slice, depth] = depths[static_cast<size_t>(z)];
     const double expected = depths.front().second + step * double(z);
+    // A deviation of half a step would put a slice nearer to a neighbour's place; NaN fails as
+    // well.
     if (slice != z || !(std::abs(depth - expected) < std::abs(step) / 2)) return std::nullopt;
   }
   return lengthOr1(std::abs(step * *units));
@@ -207,6 +217,7 @@ void setOmeOrigin(const OmePixels& pixels, PageOrder& order) {
           name, said.empty() ? "reference frame" : printable(said, kLongestName));
       return;
     }
+    // The negation refuses NaN, too.
     if (!(std::abs(at * units.value_or(1)) <= kFarthest)) {
       order.place_fault =
           fmt::format("its {} is beyond {:g}: the positions in its OME description are not used",
@@ -268,6 +279,7 @@ PageOrder parseOmeDescription(std::string_view xml, int64_t pages) {
   // Colors of one page are channels that take no pages.
   if (!pixels.channels.empty()) {
     const int64_t samples = countOf(pixels.channels[0], "SamplesPerPixel");
+    // SizeC counts the samples of each pixel, of which luminance makes one number here.
     if (samples > 1 && order.channels % samples == 0) order.channels /= samples;
   }
   order.files = filesOf(pixels.blocks);

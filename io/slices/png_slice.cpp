@@ -55,9 +55,11 @@ class PngPicture final : public SlicePicture {
       readInterlaced(first, count, out);
       return;
     }
+    // PNG has no access to rows but the first: going back means to start anew.
     if (next_row_ < 0 || first < next_row_) start();
     pixels_.resize(png_get_rowbytes(png_, info_));
     while (next_row_ < first + count) {
+      // Rows before the first that is wanted are decoded all the same, since zlib's stream is one.
       decodeRow();
       if (next_row_ > first)
         convertRow(pixels_.data(),
@@ -90,6 +92,7 @@ class PngPicture final : public SlicePicture {
   }
 
   [[noreturn]] void failPng() {
+    // The decoder is of no use after an error: the next read starts anew.
     next_row_ = -1;
     fail("{}: damaged PNG at byte {}: {}", file_.path(), offset_, message_);
   }
@@ -115,6 +118,7 @@ class PngPicture final : public SlicePicture {
   bool readHeader() {
     if (setjmp(png_jmpbuf(png_)) != 0) return false;
     png_set_read_fn(png_, this, onRead);
+    // A header of a few bytes must not make libpng allocate rows of any length.
     png_set_user_limits(png_, PictureFormat::kMaxSide, PictureFormat::kMaxSide);
     // Texts, profiles and other extras tell nothing about the voxels.
     png_set_keep_unknown_chunks(png_, PNG_HANDLE_CHUNK_NEVER, nullptr, -1);
@@ -124,6 +128,7 @@ class PngPicture final : public SlicePicture {
     if (color_type == PNG_COLOR_TYPE_GRAY && png_get_bit_depth(png_, info_) < 8)
       png_set_expand_gray_1_2_4_to_8(png_);
     if ((color_type & PNG_COLOR_MASK_ALPHA) != 0) png_set_strip_alpha(png_);
+    // PNG stores 16 bits big-endian.
     if constexpr (std::endian::native == std::endian::little) png_set_swap(png_);
     png_set_interlace_handling(png_);
     png_read_update_info(png_, info_);
@@ -156,6 +161,7 @@ class PngPicture final : public SlicePicture {
     std::vector<png_bytep> rows(static_cast<size_t>(format_.height));
     for (size_t y = 0; y < rows.size(); ++y) rows[y] = image.data() + y * stored_bytes;
     const bool good = readImage(rows.data());
+    // libpng stands at the end now, whatever rows were taken out.
     next_row_ = -1;
     if (!good) failPng();
     const size_t row_bytes = out.size() / static_cast<size_t>(count);

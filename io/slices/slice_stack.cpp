@@ -37,6 +37,7 @@ class PicturePool {
         return picture;
       }
     }
+    // Opened without the lock: a slow disk must not stop threads that find theirs.
     auto picture = openSlicePicture(files_[file]);
     countRead(picture->storedBytesRead());
     return picture;
@@ -243,6 +244,7 @@ class SliceStack final : public VolumeSource,
         is_described_ ? format_.order.place(plane) : PagePlace{static_cast<uint32_t>(plane), 0};
     auto picture = pool_.take(place.file);
     const uint64_t read_before = picture->storedBytesRead();
+    // If it throws, the picture is closed with its decoder's broken state and not given back.
     picture->readRows(place.page, level, first, count, rows);
     pool_.countRead(picture->storedBytesRead() - read_before);
     pool_.giveBack(place.file, std::move(picture));
@@ -257,6 +259,7 @@ class SliceStack final : public VolumeSource,
       if (is_described_) format.order = std::move(order);
       return;
     }
+    // One that is none of the set: all are slices then, as they were given.
     for (const auto& file : files_)
       if (std::find(order.files.begin(), order.files.end(), file.filename()) == order.files.end())
         return;
@@ -299,6 +302,7 @@ class SliceStack final : public VolumeSource,
         fail("{}: {} x {} of {}, expected {} x {} of {} as in {}; all slices must agree",
              files_[i].string(), format.width, format.height, name(format.type), first.width,
              first.height, name(first.type), files_[0].string());
+      // A level needs all slices.
       if (format.reduced != first.reduced) first.reduced.clear();
     }
     return first;

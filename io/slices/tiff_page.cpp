@@ -27,6 +27,7 @@ TiffPage tiffPageOf(TIFF* tiff) {
 }
 
 std::vector<uint64_t> reducedDirectoriesOf(TIFF* tiff) {
+  // Sides have 32 bits, so that 32 halvings reach a pixel; a damaged count must not list more.
   constexpr uint16_t kMost = 32;
   uint16_t count = 0;
   const uint64_t* offsets = nullptr;
@@ -40,6 +41,7 @@ VoxelType voxelTypeOf(const TiffPage& p, const std::string& path) {
   const bool is_unsigned =
       p.sample_format == SAMPLEFORMAT_UINT || p.sample_format == SAMPLEFORMAT_VOID;
   const bool samples_fit = p.hasColor() ? p.samples >= 3 : p.samples >= 1;
+  // libtiff turns these into RGB itself (JPEGCOLORMODE_RGB in tiff_slice.cpp).
   const bool is_jpeg_color =
       p.photometric == PHOTOMETRIC_YCBCR && p.compression == COMPRESSION_JPEG && p.bits == 8;
   const bool is_side_by_side = p.planar == PLANARCONFIG_CONTIG || p.samples == 1;

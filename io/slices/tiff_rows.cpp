@@ -14,6 +14,7 @@ namespace sluice {
 void TiffRows::begin(int64_t number, const TiffPage& page) {
   number_ = number;
   page_ = page;
+  // The decoder and the row belong to the page before.
   next_row_ = -1;
   deflated_.reset();
 }
@@ -31,6 +32,7 @@ void TiffRows::read(int64_t first, int64_t count, const Keep& keep) {
 }
 
 int64_t TiffRows::rowsPerStrip() {
+  // TIFF 6, RowsPerStrip: without the tag, all rows are one strip.
   return std::clamp<int64_t>(tiffField<uint32_t>(tiff_, TIFFTAG_ROWSPERSTRIP, page_.height), 1,
                              page_.height);
 }
@@ -43,6 +45,7 @@ std::unique_ptr<DeflateRows> TiffRows::deflateRows(uint32_t strile, size_t row_b
   const uint64_t at = TIFFGetStrileOffset(tiff_, strile);
   const uint64_t bytes = TIFFGetStrileByteCount(tiff_, strile);
   const uint64_t file_bytes = stream_.file.sizeBytes();
+  // The count comes from the file and is an allocation below.
   if (at > file_bytes || bytes > file_bytes - at)
     fail("{}: {} bytes at {} in a file of {}; it was cut short", where, bytes, at, file_bytes);
   std::vector<std::byte> stored(bytes);
@@ -64,6 +67,7 @@ void TiffRows::readDeflateStrips(int64_t first, int64_t count, const Keep& keep)
   const int64_t strip_start = first / strip_rows * strip_rows;
   const bool can_go_on = next_row_ >= strip_start && next_row_ <= first;
   for (int64_t row = can_go_on ? next_row_ : strip_start; row < first + count; ++row) {
+    // Stands only once the row is decoded: an error below must not leave a decoder to go on with.
     next_row_ = -1;
     if (row % strip_rows == 0)
       deflated_ = deflateRows(static_cast<uint32_t>(row / strip_rows), row_bytes, strip_rows);
@@ -94,6 +98,7 @@ void TiffRows::readStrips(int64_t first, int64_t count, const Keep& keep) {
   const int64_t strip_start = first / strip_rows * strip_rows;
   const bool can_go_on = next_row_ >= strip_start && next_row_ <= first;
   for (int64_t row = can_go_on ? next_row_ : strip_start; row < first + count; ++row) {
+    // See readDeflateStrips().
     next_row_ = -1;
     if (TIFFReadScanline(tiff_, buffer_.data(), static_cast<uint32_t>(row), 0) != 1)
       stream_.failWith(fmt::format("page {}, row {}: damaged TIFF", number_ + 1, row));
@@ -145,6 +150,7 @@ void TiffRows::readTiles(int64_t first, int64_t count, const Keep& keep) {
   const int64_t tile_width = tiffField<uint32_t>(tiff_, TIFFTAG_TILEWIDTH, 0);
   const int64_t tile_height = tiffField<uint32_t>(tiff_, TIFFTAG_TILELENGTH, 0);
   const auto pixel = static_cast<int64_t>(page_.pixelBytes());
+  // The copies below go by this product, libtiff's buffer by a size of its own.
   if (tile_width < 1 || tile_height < 1 || TIFFTileSize(tiff_) < tile_width * tile_height * pixel)
     stream_.failWith("damaged TIFF");
   buffer_.resize(static_cast<size_t>(TIFFTileSize(tiff_)));

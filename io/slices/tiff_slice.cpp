@@ -41,6 +41,7 @@ class TiffPicture final : public SlicePicture {
         p.orientation == ORIENTATION_BOTLEFT || p.orientation == ORIENTATION_BOTRIGHT;
     const bool is_mirrored =
         p.orientation == ORIENTATION_TOPRIGHT || p.orientation == ORIENTATION_BOTRIGHT;
+    // Rows are decoded as stored, so that a strip's decoder goes on without starting anew.
     if (is_upside_down) first = p.height - first - count;
     const auto keepRow = [&](int64_t row, const std::byte* stored) {
       const int64_t at = is_upside_down ? first + count - 1 - row : row - first;
@@ -55,6 +56,7 @@ class TiffPicture final : public SlicePicture {
     // Pages, from 1: one whose strip is too small for uncompressed pixels, and a compressed one.
     size_t too_small = 0, compressed = 0;
     do {
+      // libtiff warned while it read the table of this page.
       const bool replaced = std::exchange(stream_.strip_size_replaced, false);
       if ((tiffField<uint32_t>(tiff_.get(), TIFFTAG_SUBFILETYPE, 0) & FILETYPE_REDUCEDIMAGE) != 0)
         continue;
@@ -75,6 +77,7 @@ class TiffPicture final : public SlicePicture {
       if (is_plain && replaced && too_small == 0) too_small = pages_.size();
       if (!is_plain && compressed == 0) compressed = pages_.size();
     } while (TIFFReadDirectory(tiff_.get()) != 0);
+    // The loop ends at the last table or at a damaged one; only the handler's message tells which.
     if (!stream_.message.empty()) stream_.failWith("damaged TIFF");
     if (too_small != 0 && compressed != 0)
       fail(
@@ -127,6 +130,7 @@ class TiffPicture final : public SlicePicture {
     for (const uint64_t directory : reduced_[0]) {
       std::string fault = "its table is damaged";
       if (TIFFSetSubDirectory(tiff_.get(), directory) != 0) fault = addReduced();
+      // A damaged level is left out, so that its message must not end up in a later failure.
       stream_.message.clear();
       if (fault.empty()) continue;
       format_.notes.push_back(
@@ -188,6 +192,7 @@ class TiffPicture final : public SlicePicture {
         p.is_tiled ? TIFFNumberOfTiles(tiff_.get()) : TIFFNumberOfStrips(tiff_.get());
     bytes += strips * 2 * sizeof(uint64_t);
     uint64_t largest = 0;
+    // Uncompressed strips are read in pieces by ourselves; libtiff holds none of them.
     if (p.compression != COMPRESSION_NONE || p.is_tiled)
       for (uint64_t i = 0; i < strips; ++i)
         largest = std::max<uint64_t>(largest,
@@ -223,6 +228,7 @@ class TiffPicture final : public SlicePicture {
   void goTo(int64_t page, size_t level) {
     if (page == page_number_ && level == level_) return;
     stream_.message.clear();
+    // Stands again once the table is read: a failure leaves libtiff at another one.
     page_number_ = -1;
     const auto i = static_cast<size_t>(page);
     at_page_ = pages_[i];
@@ -233,6 +239,7 @@ class TiffPicture final : public SlicePicture {
       at_page_ = tiffPageOf(tiff_.get());
       const PictureFormat found = formatOf(at_page_);
       const ReducedFormat& expected = format_.reduced[level - 1];
+      // Only page 1 was measured when levels were listed.
       if (found.width != expected.width || found.height != expected.height ||
           found.type != format_.type)
         fail(

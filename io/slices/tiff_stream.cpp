@@ -10,9 +10,11 @@
 namespace sluice {
 namespace {
 
+// libtiff sizes its buffers from tags; a damaged one must fail instead of taking all memory.
 constexpr tmsize_t kMaxAllocationBytes = tmsize_t{1} << 30;
 
 size_t take(TiffStream& s, std::span<std::byte> out) {
+  // Strips and tiles would only be copied once more.
   if (out.size() >= s.window.size()) return s.file.readSome(s.position, out);
   const bool inside = s.position >= s.window_at && s.position - s.window_at < s.window_size &&
                       out.size() <= s.window_size - (s.position - s.window_at);
@@ -35,6 +37,7 @@ tmsize_t read(thandle_t handle, void* to, tmsize_t bytes) {
     const size_t got = take(s, {static_cast<std::byte*>(to), static_cast<size_t>(bytes)});
     s.position += got;
     return static_cast<tmsize_t>(got);
+    // libtiff is C: no exception may pass its frames.
   } catch (const std::exception& e) {
     if (s.message.empty()) s.message = e.what();
     return -1;
@@ -59,6 +62,7 @@ int error(TIFF*, void* user, const char* module, const char* format, va_list arg
   TiffStream& s = of(user);
   char text[256];
   std::vsnprintf(text, sizeof text, format, arguments);
+  // The first message names the cause, later ones what follows from it.
   if (s.message.empty()) s.message = fmt::format("{}: {}", module == nullptr ? "" : module, text);
   std::replace(s.message.begin(), s.message.end(), '\n', ' ');
   return 1;  // handled: libtiff's own printing is left out
@@ -66,6 +70,7 @@ int error(TIFF*, void* user, const char* module, const char* format, va_list arg
 int warning(TIFF*, void* user, const char*, const char* format, va_list arguments) {
   char text[256];
   std::vsnprintf(text, sizeof text, format, arguments);
+  // libtiff replaces a size that cannot be right, and says so in no other way.
   if (std::string_view(text).find("StripByteCounts") != std::string_view::npos)
     of(user).strip_size_replaced = true;
   return 1;
@@ -86,6 +91,7 @@ TiffPtr openTiff(TiffStream& stream) {
   TIFFOpenOptionsSetErrorHandlerExtR(options, error, &stream);
   TIFFOpenOptionsSetWarningHandlerExtR(options, warning, &stream);
   TIFFOpenOptionsSetMaxSingleMemAlloc(options, kMaxAllocationBytes);
+  // "m": no memory map, for which no functions are given.
   TiffPtr tiff(TIFFClientOpenExt(stream.file.path().c_str(), "rm", &stream, read, write, seek,
                                  close, size, nullptr, nullptr, options));
   TIFFOpenOptionsFree(options);

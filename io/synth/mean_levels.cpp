@@ -41,6 +41,7 @@ class MeanLevel final : public VolumeSource {
       layout_.origin =
           layout_.origin + layout_.axes[static_cast<size_t>(a)] * (layout_.spacing[a] * shift);
     layout_.spacing = layout_.spacing * static_cast<double>(times);
+    // Means and spreads do not fill the range that the finest voxels have.
     layout_.stored_range.reset();
   }
 
@@ -70,6 +71,7 @@ class MeanLevel final : public VolumeSource {
   void readTyped(int64_t time, const Box3& box, std::span<std::byte> out) {
     const int64_t width = box.size().x;
     const Vec3i cube{times_, times_, times_};
+    // One row of the level is 'times' squared rows of voxels: memory does not grow with the region.
     std::vector<T> finest(static_cast<size_t>(width * volume(cube)));
     std::vector<Sum> sums(static_cast<size_t>(width));
     std::vector<double> squares(sums.size());

@@ -37,6 +37,7 @@ class TreeCheck {
     is_bits_ = type == "bool" || type == "mask";
     is_mask_ = type == "mask";
     value_bytes_ = is_bits_ ? 1 : type == "float" || type == "int32" ? 4 : 8;
+    // OpenVDB halves real numbers alone, whatever the flag says of other types.
     stored_bytes_ = grid.saved_as_half && (type == "float" || type == "double") ? 2 : value_bytes_;
     is_half_ = stored_bytes_ != value_bytes_;
   }
@@ -50,6 +51,7 @@ class TreeCheck {
     result.tree_at = reader_.position();
     result.compression = grid_.compression;
     result.saved_as_half = grid_.saved_as_half;
+    // OpenVDB no longer knows several buffers; it warns and reads on.
     if (reader_.number<uint32_t>() != 1) damaged("a tree with several buffers");
     checkRoot();
     if (reader_.position() > grid_.values_at) damaged("the tree runs into its values");
@@ -132,11 +134,13 @@ class TreeCheck {
     if (inactive == kMaskOfSigns || inactive == kMaskAndOneValue || inactive == kMaskAndTwoValues)
       reader_.skip(slots / 8);
     const uint64_t count = inactive == kAllStored ? slots : countOn(active);
+    // OpenVDB writes no length for an empty array of halves, but one of 0 for other types.
     if (is_half_ && count == 0) return;
     const uint64_t bytes = count * stored_bytes_;
     if ((grid_.compression & (kZip | kBlosc)) == 0) return reader_.skip(bytes);
     // The compressed length, or the plain one negative if compression did not pay.
     const auto length = reader_.number<int64_t>();
+    // Unsigned, as the negation of the smallest length would overflow.
     if (length <= 0 && uint64_t{0} - static_cast<uint64_t>(length) != bytes)
       damaged("a node's values are of another length than the node");
     reader_.skip(length > 0 ? static_cast<uint64_t>(length) : bytes);
@@ -176,6 +180,7 @@ VdbTreeOnDisk checkVdbGrid(File& file, const std::vector<VdbGridInfo>& grids,
   VdbTreeOnDisk tree = TreeCheck(file, grid).run();
   if (grid.instance_of.empty()) return tree;
   for (const VdbGridInfo& other : grids) {
+    // One that is shared itself is not followed: two such grids could name each other for ever.
     if (other.name == grid.instance_of && other.instance_of.empty() &&
         other.value_type == grid.value_type)
       return checkVdbGrid(file, grids, other);

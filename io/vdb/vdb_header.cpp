@@ -86,6 +86,7 @@ Metadata readMetadata(VdbReader& reader) {
       fail("{}: damaged OpenVDB file: metadatum \"{}\" has the type \"{}\", expected {}",
            reader.path(), key, type, expected);
     if (key == "class") result.grid_class = value;
+    // isWellSized() has seen to the byte.
     if (key == "is_saved_as_half_float") result.is_half = value[0] != 0;
     if (key == "file_bbox_min") result.active_min = vectorOf(value);
     if (key == "file_bbox_max") result.active_max = vectorOf(value);
@@ -122,12 +123,14 @@ VdbGridInfo readGrid(VdbReader& reader) {
   const auto grid_at = reader.number<uint64_t>();
   grid.values_at = reader.number<uint64_t>();
   grid.end = reader.number<uint64_t>();
+  // All lies behind what tells of it: a damaged offset shows here, not as other bytes.
   if (grid_at < reader.position() || grid.values_at < grid_at || grid.end < grid.values_at)
     fail("{}: damaged OpenVDB file: grid \"{}\" lies at {} to {} with its values at {}",
          reader.path(), grid.name, grid_at, grid.end, grid.values_at);
   reader.seek(grid_at);
   grid.compression = reader.number<uint32_t>();
   const Metadata metadata = readMetadata(reader);
+  // The stored length of a number follows from either of them.
   if (metadata.is_half != grid.saved_as_half)
     fail(
         "{}: damaged OpenVDB file: the type and the metadata of grid \"{}\" disagree on half "
@@ -165,6 +168,7 @@ std::vector<VdbGridInfo> readVdbGrids(File& file) {
   constexpr uint64_t kUuidBytes = 36;
   reader.skip(kUuidBytes);
   readMetadata(reader);
+  // Streams have no offsets of leaves, without which values cannot be read one by one.
   if (!has_table)
     fail(
         "{}: OpenVDB file without a table of its grids (written through a pipe); "
@@ -195,6 +199,7 @@ VdbGridInfo chooseVdbGrid(const std::string& path, const std::vector<VdbGridInfo
     }
     fail("{}: no grid \"{}\"; it has {}", path, wanted, describe(grids));
   }
+  // Real numbers first: a mask or an index beside them is rarely what is meant.
   for (const auto accepts : {isReal, isScalar}) {
     for (const VdbGridInfo& grid : grids) {
       if (accepts(grid)) return grid;

@@ -97,9 +97,11 @@ class VdbSource final : public VolumeSource {
     const auto found = grid_->evalActiveVoxelBoundingBox();
     const Box3 active =
         found.empty() ? Box3{} : Box3{vecOf(found.min()), vecOf(found.max()) + Vec3i{1, 1, 1}};
+    // A layer of the value around them is shown, too (see vdb_source.h).
     Box3 box{active.lo - Vec3i{1, 1, 1}, active.hi + Vec3i{1, 1, 1}};
     if (opening.box) {
       box = *opening.box;
+      // Boxes of a series come from its files' metadata; voxels outside of them would vanish.
       if (!found.empty() && !box.contains(active))
         fail("{}: grid \"{}\" has voxels outside of the box that its file states; write it again",
              path_, info_.name);
@@ -215,6 +217,7 @@ class VdbSource final : public VolumeSource {
     MemoryBuffer buffer;
     std::istream stream(&buffer);
     prepare(stream);
+    // Inactive values are not stored; OpenVDB takes them from the grid behind the stream.
     openvdb::io::setGridBackgroundValuePtr(stream, &grid_->background());
     std::vector<char> run;
     for (size_t first = 0; first < leaves.size();) {

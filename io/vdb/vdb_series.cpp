@@ -73,9 +73,11 @@ Step readStep(const std::filesystem::path& path, const std::string& grid) {
     step.active = *info.active;
     return step;
   }
+  // Metadata need not state a box: only the tree tells it then.
   const VolumeLayout layout = openVdb(path, grid)->layout();
   const Vec3d lo = indexOf(step.place, layout.origin);
   const Vec3i first{std::llround(lo.x), std::llround(lo.y), std::llround(lo.z)};
+  // openVdb() adds a layer of background on each side.
   step.active = {first + Vec3i{1, 1, 1}, first + layout.dims - Vec3i{1, 1, 1}};
   return step;
 }
@@ -120,6 +122,7 @@ std::vector<Box3> vdbSeriesBoxes(const std::vector<std::filesystem::path>& files
   if (all.empty())
     fail("{}: no active voxels in any of the {} steps: nothing to show", files[0].string(),
          files.size());
+  // A layer of background around all steps, as a single grid has.
   const Box3 padded{all.lo - Vec3i{1, 1, 1}, all.hi + Vec3i{1, 1, 1}};
   std::vector<Box3> boxes;
   boxes.reserve(shifts.size());

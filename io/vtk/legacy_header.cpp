@@ -48,6 +48,7 @@ class Words {
     return text;
   }
   void skipBytes(uint64_t bytes) {
+    // Offsets near 2^64 would wrap around to a place inside of the file.
     constexpr uint64_t kFarthest = uint64_t{1} << 62;
     window_at_ = std::min(position() + std::min(bytes, kFarthest), kFarthest);
     begin_ = end_ = 0;
@@ -90,6 +91,7 @@ uint64_t bytesOf(const std::string& type) {
   if (type == "long" || type == "unsigned_long" || type == "vtktypeint64" ||
       type == "vtktypeuint64")
     return 8;
+  // VTK writes its identifiers as 32-bit numbers here, whatever their length in memory.
   if (type == "vtkIdType") return 4;
   const auto voxel = vtkVoxelType(type);
   return voxel ? bytesPerVoxel(*voxel) : 0;
@@ -127,6 +129,7 @@ class LegacyParser {
     if (form != "ASCII" && form != "BINARY")
       fail("{}: expected ASCII or BINARY in line 3, found {}", path_, inQuotes(form));
     is_text_ = form == "ASCII";
+    // Binary numbers of legacy files are big-endian on all machines.
     image_.byte_order = std::endian::big;
     const std::string data = words_.next(), kind = words_.next();
     if (data != "DATASET" || kind != "STRUCTURED_POINTS")
@@ -166,6 +169,7 @@ class LegacyParser {
     }
     const uint64_t bytes = bytesOf(type);
     uint64_t all = 0;
+    // Counts of the file may make any product.
     if (type == "bit")
       all = (count + 7) / 8;
     else if (bytes == 0 || __builtin_mul_overflow(count, bytes, &all))
@@ -189,6 +193,7 @@ class LegacyParser {
     array.end = words_.position();
     if (image_.arrays.size() == kMostVtkArrays)
       fail("{}: expected at most {} arrays, found more", path_, kMostVtkArrays);
+    // A field's arrays may have any length; only one number a point or cell makes a volume.
     if (is_of_data_ && tuples == count_) image_.arrays.push_back(std::move(array));
     return is_known;
   }
@@ -199,6 +204,7 @@ class LegacyParser {
       fail("{}: expected POINT_DATA or CELL_DATA before {}, found none", path_, kind);
     const std::string name = words_.next();
     int64_t components = kind == "TENSORS" ? 9 : kind == "TENSORS6" ? 6 : 3;
+    // COLOR_SCALARS name no type: bytes if binary, fractions of 1 in text.
     std::string type = is_text_ ? std::string(kVtkTextColors) : "unsigned_char";
     if (kind == "TEXTURE_COORDINATES" || kind == "COLOR_SCALARS") components = whole("components");
     if (kind != "COLOR_SCALARS") type = words_.next();
@@ -264,6 +270,7 @@ class LegacyParser {
       is_of_data_ = true;
       count_ = whole(word.c_str());
       words_.line();
+      // Before the count is compared: volume() must not overflow.
       VolumeLayout layout = vtkLayout(image_, are_cells_, path_);
       checkedVolumeBytes(path_, layout);
       if (count_ != volume(layout.dims))

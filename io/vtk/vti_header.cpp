@@ -36,6 +36,7 @@ class VtiParser {
              .end = [this](std::string_view name, uint64_t at) { end(name, at); },
              .text = {}});
     if (pieces_ == 0) fail("{}: expected an ImageData element with a Piece, found none", path_);
+    // Offsets count from behind the '_' of AppendedData, which follows all arrays.
     for (const size_t array : appended_) image_.arrays[array].offset += appended_at_.value_or(0);
     if (!appended_.empty() && !appended_at_)
       fail("{}: expected an AppendedData element, found none", path_);
@@ -128,6 +129,7 @@ class VtiParser {
       const auto at =
           numbers<int64_t, 1>(tag.find("offset").value_or(""), "offset", parseInteger)[0];
       constexpr int64_t kMostOffset = int64_t{1} << 62;
+      // The sum with the place of the appended data must not overflow later.
       if (at < 0 || at > kMostOffset)
         fail("{}: expected an offset of 0 or more, found {}", path_, at);
       array.offset = static_cast<uint64_t>(at);

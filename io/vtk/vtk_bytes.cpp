@@ -69,6 +69,7 @@ class Base64Bytes final : public ByteStore {
               uint64_t from) const {
     for (size_t group = 0; group * kGroupBytes < wanted; ++group) {
       uint32_t value = 0;
+      // A group of n bytes has n + 1 characters; '=' pads the rest.
       const size_t needed = std::min(wanted - group * kGroupBytes, size_t{kGroupBytes}) + 1;
       for (size_t i = 0; i < kGroupChars; ++i) {
         const size_t at = group * kGroupChars + i;
@@ -119,6 +120,7 @@ class CompressedBlocks final : public ByteStore {
     image_.byte_order = image.byte_order;
     image_.header_bytes = image.header_bytes;
     image_.codec = image.codec;
+    // Sizes are stored alone, so that the place of each block is the sum of those before it.
     uint64_t at = layout_.data_at;
     std::vector<std::byte> sizes;
     for (uint64_t block = 0; block < layout_.blocks; ++block) {
@@ -168,6 +170,7 @@ class CompressedBlocks final : public ByteStore {
   uint64_t sizeIn(std::span<const std::byte> sizes, uint64_t i) const {
     uint64_t size = 0;
     std::memcpy(&size, sizes.data() + i * image_.header_bytes, image_.header_bytes);
+    // Before memory is taken for it: the size comes from the file.
     checkStoredSize(codecOfBlocks(image_.codec), size, layout_.block_bytes, path_);
     return size;
   }
@@ -219,6 +222,7 @@ VtkBytes openVtkBytes(const std::shared_ptr<File>& file, const VtkImage& image,
   requireRoom(0, image.header_bytes);
   const uint64_t first = readNumber(*found.store, found.offset, image);
   if (image.codec == VtkCodec::kNone) {
+    // The header's number is the array's length; another one means another extent or type.
     if (first != bytes)
       fail("{}: expected {} bytes, as the extent makes, found {}", path, bytes, first);
     requireRoom(image.header_bytes, bytes);
@@ -239,10 +243,12 @@ VtkBytes openVtkBytes(const std::shared_ptr<File>& file, const VtkImage& image,
       layout.blocks == 0 ||
       __builtin_mul_overflow(layout.blocks - (last > 0 ? 1 : 0), layout.block_bytes, &all) ||
       __builtin_add_overflow(all, last, &all);
+  // One shorter block may follow the others; it counts among them.
   if (has_overflow || all != bytes || last > layout.block_bytes ||
       layout.block_bytes > kMostChunkBytes)
     fail("{}: expected blocks of {} bytes together, found {} of {} and a last one of {}", path,
          bytes, layout.blocks, layout.block_bytes, last);
+  // Blocks longer than the array would reserve memory that is never used.
   layout.block_bytes = std::min(layout.block_bytes, bytes);
   const uint64_t sizes_bytes = layout.blocks * image.header_bytes;  // at most 8 times `bytes`
   requireRoom(kFront * image.header_bytes, sizes_bytes);

@@ -39,6 +39,7 @@ VolumeLayout vtkLayout(const VtkImage& image, bool of_cells, const std::string& 
   for (int a = 0; a < 3; ++a) {
     const auto axis = static_cast<size_t>(a);
     const int64_t lo = image.extent[2 * axis], hi = image.extent[2 * axis + 1];
+    // Differences and dims of larger indices could overflow.
     if (hi < lo || lo < -kMostIndex || hi > kMostIndex)
       fail("{}: expected an extent of one point or more along each axis, found {} to {} along {}",
            path, lo, hi, "xyz"[a]);

@@ -51,6 +51,7 @@ std::vector<VtkArray> channelsOf(const VtkImage& image, const ChannelWish& wish,
   };
   const bool has_points =
       any([](const VtkArray& array) { return isReadable(array) && !array.is_of_cells; });
+  // Arrays of points come first, unless one of cells is asked for by its name.
   const bool is_named_of_cells = any([&](const VtkArray& array) {
     return array.is_of_cells && isReadable(array) && !wish.number && array.name == wish.name;
   });
@@ -111,6 +112,7 @@ std::unique_ptr<VolumeSource> openVtk(const std::filesystem::path& path, const C
   std::endian order = image.byte_order;
   RawSegment segment;
   if (array.form == VtkForm::kText) {
+    // TextVoxels writes numbers in this machine's order.
     order = std::endian::native;
     segment.store =
         std::make_shared<DecodedFile>(std::vector<EncodedFile>{{.file = file,

@@ -107,6 +107,7 @@ struct BlockNumbers {
   constexpr int64_t kBlocks = 16;
   const __m256i zero = _mm256_setzero_si256();
   int64_t x = 0;
+  // The remainder is left to the caller's plain loop, whose numbers are the same to the bit.
   for (; x + kBlocks <= blocks; x += kBlocks) {
     const Bytes numbers{loaded(rows[0] + 2 * x), loaded(rows[1] + 2 * x), loaded(rows[2] + 2 * x),
                         loaded(rows[3] + 2 * x)};

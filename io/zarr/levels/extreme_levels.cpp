@@ -51,6 +51,7 @@ void joinRows(const FourRows<T>& rows, int64_t columns, T* to) {
 
 template <class Order, class T>
 void makeRow(FourRows<T> rows, int64_t finer_columns, int64_t step, T* to) {
+  // An axis of wide voxels may not be halved (levelShapes()).
   if (step == 1) return joinRows<Order>(rows, finer_columns, to);
   std::array<T, kColumns> joined;
   const T* const pair = joined.data();
@@ -59,6 +60,7 @@ void makeRow(FourRows<T> rows, int64_t finer_columns, int64_t step, T* to) {
     joinRows<Order>(rows, columns, joined.data());
     const int64_t pairs = columns / 2;
     for (int64_t x = 0; x < pairs; ++x) to[x] = extremeOf<Order>(pair[2 * x], pair[2 * x + 1]);
+    // All pieces but the last have an even length: a column is left over only at the row's end.
     if (columns % 2 != 0) to[pairs] = pair[columns - 1];
     to += pairs;
     for (const T*& row : rows) row += columns;
@@ -90,6 +92,7 @@ void makeLevels(const CubeVoxels<T>& cube, std::span<const LevelPart> levels) {
     const CubeVoxels<T> level{blocksOf(cube.size, part.step), voxels, part.row_stride,
                               part.plane_stride};
     makeLevel<Order>(finer, part.step / finer_step, level, voxels);
+    // Extremes of extremes are exact, so that each level is made from the one before it.
     finer = level;
     finer_step = part.step;
   }

@@ -27,6 +27,7 @@ struct ModeCount {
 template <class T>
 ModeCount<T> modeOf(std::vector<T>& values) {
   if (values.empty()) {
+    // A block of NaN alone stays NaN.
     if constexpr (std::is_floating_point_v<T>) return {std::numeric_limits<T>::quiet_NaN(), 0};
     return {};
   }
@@ -36,6 +37,8 @@ ModeCount<T> modeOf(std::vector<T>& values) {
   for (size_t i = 0; i < values.size();) {
     size_t end = i;
     while (end < values.size() && values[end] == values[i]) ++end;
+    // Of values that are equally often, the smallest wins, so that results do not hang on the
+    // order.
     if (end - i > most) {
       most = end - i;
       mode = values[i];
@@ -73,6 +76,7 @@ bool isNumber(T value) {
 template <class T>
 double originOf(const T* voxels) {
   if constexpr (kIsNarrow<T>) return 0;  // sums are exact, whatever the cube
+  // Squares of values far from 0 would cancel each other's digits in a variance.
   const auto value = static_cast<double>(*voxels);
   return std::isfinite(value) ? value : 0;
 }
@@ -155,6 +159,7 @@ void gatheredLevels(const CubeVoxels<T>& cube, std::span<const LevelPart> levels
   Vec3i finer_step{1, 1, 1}, finer_size;
   for (const LevelPart& part : levels) {
     if (how == Downsample::kMode) {
+      // The mode of modes is not the mode: each level is made from the finest voxels.
       putModes(cube, part);
       continue;
     }

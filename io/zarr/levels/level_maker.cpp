@@ -57,6 +57,7 @@ LevelMaker::LevelMaker(const VolumeLayout& layout, int64_t chunk_voxels,
   std::byte* next = room_.get();
   for (size_t i = 0; i < levels_.size(); ++i) {
     const LevelShape& level = levels_[i];
+    // Cubes of finest chunks must make whole voxels of each level, or two threads would share some.
     for (int a = 0; a < 3; ++a) SLUICE_CHECK_EQ(chunk_voxels % level.step[a], 0);
     layers_[i].voxels = next;
     next += inLines(level, fill_.size());
@@ -111,6 +112,7 @@ void LevelMaker::endLayer(size_t level) {
   for (int64_t z = 0; z < cubes.z; ++z)
     for (int64_t y = 0; y < cubes.y; ++y)
       for (int64_t x = 0; x < cubes.x; ++x, ++i)
+        // Empty cubes do not come; clearing whole layers before would be one more pass over them.
         if (layer.came[i] == 0) fillPlaceOf(level, {x, y, z});
   std::fill(layer.came.begin(), layer.came.end(), char{0});
 }
@@ -161,6 +163,7 @@ void LevelMaker::addOf(const Box3& box, const T* voxels, int64_t row_stride, int
     const Vec3i first = box.lo / level.step - layerAt(i, box.lo.z).lo, count = cubesOf(i);
     const int64_t plane = level.dims.x * level.dims.y;
     const auto at = static_cast<size_t>(first.z * plane + first.y * level.dims.x + first.x);
+    // No lock: cubes are aligned to voxels of all levels, so that threads write to different ones.
     LevelPart part{level.step, layers_[i].voxels + at * sizeof(T), nullptr, level.dims.x, plane};
     if (keepsSpreads(how_)) part.spreads = layers_[i].spreads + at * sizeof(SpreadOf<T>);
     parts.push_back(part);

@@ -45,12 +45,14 @@ std::vector<LevelShape> levelShapes(const VolumeLayout& layout, int64_t chunk_vo
     // Axes whose voxels are within half an octave of the shortest that can still be halved.
     double shortest = std::numeric_limits<double>::infinity();
     const auto canHalve = [&](int a) {
+      // A chunk of level 0 must make whole voxels of each level (LevelMaker).
       return level.dims[a] > 1 && chunk_voxels % (2 * level.step[a]) == 0;
     };
     for (int a = 0; a < 3; ++a)
       if (canHalve(a)) shortest = std::min(shortest, spacing[a]);
     if (std::isinf(shortest)) break;
     for (int a = 0; a < 3; ++a) {
+      // Halving only the finely sampled axes makes voxels of coarser levels closer to cubes.
       if (!canHalve(a) || spacing[a] > shortest * std::sqrt(2.0)) continue;
       level.step[a] *= 2;
       level.dims[a] = ceilDiv(layout.dims[a], level.step[a]);

@@ -98,6 +98,7 @@ class Pass {
       steps.push_back(level.step);
       sizes_.push_back(blocksOf(cube.size, level.step));
     }
+    // Never smaller: the room serves cubes of all sizes, one after the other.
     room.resize(std::max<size_t>(room.size(), narrowMeansRoom(cube.size, steps)));
     std::byte* next = room.data();
     const auto take = [&]<class Number>(Number*& to, size_t level) {
@@ -136,6 +137,8 @@ class Pass {
       int64_t made = 0;
       if constexpr (std::is_same_v<T, uint8_t>) {
         if (hasBlocksOf64(y / 2, z / 2)) {
+          // Rows of the first level come one by one, but four of them are made at once, at the
+          // first one.
           if (y % 2 == 0 && z % 2 == 0) makeTwoLevels(y / 2, z / 2);
           made = 2 * made_of_64_;
         } else if (rows.count == 4 && step.x == 2) {
@@ -219,6 +222,7 @@ class Pass {
   void makeCoarserOf(int64_t z) {
     for (size_t level = 1; level < levels_.size(); ++level) {
       const int64_t step = levels_[level].step.z / levels_[level - 1].step.z;
+      // A plane waits for its sibling, except the last of an odd number.
       if ((z + 1) % step != 0 && z + 1 < sizes_[level - 1].z) return;
       z /= step;
       if (level == 1)
@@ -274,6 +278,7 @@ class Pass {
     const int64_t rows = (std::min((y + 1) * step.y, cube_.size.y) - y * step.y) *
                          (std::min((z + 1) * step.z, cube_.size.z) - z * step.z);
     int64_t x = made;
+    // Other counts, of blocks at the ends of axes, are divided one by one below.
     if (const int64_t count = rows * step.x; std::has_single_bit(static_cast<uint64_t>(count))) {
       x = cube_.size.x / step.x;
       finishBlocks<Real, T>(sums + made, squares + made, x - made, count, means + made,

@@ -62,6 +62,8 @@ std::vector<StoredLook> omeroLooks(const JsonField& omero) {
       look.is_active = active->flag();
     if (const auto inverted = channel.find("inverted"); inverted && inverted->isFlag())
       look.is_inverted = inverted->flag();
+    // sluice packs write `active` alone where their source had no look, which stays the default
+    // one.
     says_something = says_something || look.color || look.window;
   }
   if (!says_something) looks.clear();

@@ -74,6 +74,7 @@ std::vector<int64_t> ZarrArray::fileIndex(int64_t number) const {
 std::string ZarrArray::fileName(int64_t number) const {
   std::string name = prefix;
   std::vector<int64_t> index = fileIndex(number);
+  // N5 names axes from the fastest, against the order of shapes here.
   if (is_n5) std::reverse(index.begin(), index.end());
   for (const int64_t i : index) {
     if (!name.empty()) name += separator;
@@ -86,6 +87,7 @@ ZarrArray::Place ZarrArray::placeOf(int64_t chunk) const {
   if (!shards) return {chunk, 0};
   std::vector<int64_t> index = chunkIndex(chunk);
   Place place;
+  // Chunks of a shard are counted in C order, whatever the array's own order (sharding_indexed).
   for (size_t a = 0; a < axes(); ++a) {
     const int64_t inside = files[a] / chunks[a];
     place.chunk = place.chunk * inside + index[a] % inside;

@@ -38,6 +38,7 @@ double floatFill(const JsonField& field, VoxelType type) {
   if (text == "Infinity") return std::numeric_limits<double>::infinity();
   if (text == "-Infinity") return -std::numeric_limits<double>::infinity();
   if (const auto bits = hexBits(text)) {
+    // The number of digits tells the length that the writer meant.
     if (type == VoxelType::kF32 && text.size() == 10)
       return double{std::bit_cast<float>(static_cast<uint32_t>(*bits))};
     if (type == VoxelType::kF64 && text.size() == 18) return std::bit_cast<double>(*bits);
@@ -66,6 +67,7 @@ std::vector<int64_t> zarrExtents(const JsonField& field, const ZarrArray& array)
 }
 
 void requireZarrSizes(const JsonField& shape, const JsonField& chunks, const ZarrArray& array) {
+  // All later products of extents are safe by this.
   if (!product(array.shape, kMostVoxels)) shape.failExpected("at most 2^59 voxels");
   const auto most = static_cast<int64_t>(kMostChunkBytes / bytesPerVoxel(array.type));
   if (!product(array.chunks, most))
@@ -73,6 +75,7 @@ void requireZarrSizes(const JsonField& shape, const JsonField& chunks, const Zar
 }
 
 double zarrFill(const JsonField& field, const ZarrArray& array) {
+  // Zarr 2: null leaves the values of missing chunks open.
   if (field.isNull()) return 0;
   return visitVoxelType(array.type, [&](auto tag) -> double {
     using T = decltype(tag);
@@ -80,6 +83,7 @@ double zarrFill(const JsonField& field, const ZarrArray& array) {
       const double value = floatFill(field, array.type);
       if (std::isfinite(value) && std::abs(value) > double{std::numeric_limits<T>::max()})
         field.failExpected("a fill value that the type holds");
+      // A 32-bit float cannot hold all digits of the text; voxels hold the rounded value.
       return static_cast<double>(static_cast<T>(value));
     } else {
       // false and true of a bool array; texts are of floats alone.

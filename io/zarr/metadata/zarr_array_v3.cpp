@@ -95,6 +95,7 @@ class CodecList {
 
  private:
   void add(const JsonField& codec) {
+    // The list is a pipeline from array to bytes (Zarr 3, section Codecs): its order is checked.
     const std::string name = nameOf(codec);
     if (name == "transpose" && !has_bytes_) {
       array_.order = transposed(codec, array_.order);
@@ -102,6 +103,7 @@ class CodecList {
     } else if (name == "bytes" && !has_bytes_) {
       has_bytes_ = true;
       array_.byte_order = byteOrderOf(codec);
+      // Shards in shards, or around transposed arrays, are allowed but not read.
     } else if (name == "sharding_indexed" && !has_bytes_ && !is_transposed_ && !is_in_shard_) {
       has_bytes_ = is_shard_ = true;
       shard(codec);
@@ -124,11 +126,13 @@ class CodecList {
     for (size_t a = 0; a < array_.axes(); ++a)
       if (array_.files[a] % array_.chunks[a] != 0)
         extents.failExpected("chunks of which a whole number makes a shard");
+    // The index of a shard is held whole.
     int64_t count = 1;
     for (size_t a = 0; a < array_.axes(); ++a)
       if (__builtin_mul_overflow(count, array_.files[a] / array_.chunks[a], &count) ||
           count > kMostChunksAFile)
         extents.failExpected(fmt::format("at most {} chunks a shard", kMostChunksAFile));
+    // Codecs inside are of the chunks; those outside would be of whole shards.
     CodecList(array_, true).take(requireSetting(codec, "codecs"));
     array_.shards = indexOf(codec);
   }
@@ -140,6 +144,7 @@ class CodecList {
       index.is_first = at->text() == "start";
     }
     const JsonField list = requireSetting(codec, "index_codecs");
+    // Its length must be known to find it at a file's end, so that it cannot be compressed.
     const bool is_known = list.isArray() && (list.size() == 1 || list.size() == 2) &&
                           nameOf(list[0]) == "bytes" &&
                           (list.size() == 1 || nameOf(list[1]) == "crc32c");
@@ -157,6 +162,7 @@ class CodecList {
 void setKeys(const JsonField& encoding, ZarrArray& array) {
   const std::string name = nameOf(encoding);
   if (name != "default" && name != "v2") encoding.failExpected("default or v2");
+  // Zarr 3, chunk key encodings: "c/0/0/0", or "0.0.0" as in version 2.
   array.prefix = name == "default" ? "c" : "";
   array.separator = name == "default" ? '/' : '.';
   if (const auto separator = settingOf(encoding, "separator")) {
@@ -180,6 +186,7 @@ void checkUnknownMembers(const nlohmann::json& document, const JsonField& root,
     unknown.push_back(name);
     const JsonField field = root.require(name.c_str());
     const auto must = field.isObject() ? field.find("must_understand") : std::nullopt;
+    // Zarr 3: an unknown member has to be refused unless it says otherwise.
     if (!must || must->flag()) field.failExpected("no such extension");
   }
   if (!unknown.empty()) array.notes.push_back(unknownFieldsNote(path, unknown));

@@ -40,6 +40,7 @@ FoundZarr findArray(const StorePlace& folder) {
   for (int depth = 0; depth < kMostLevelDepth; ++depth) {
     level = level.empty() ? around.lastPart() : fmt::format("{}/{}", around.lastPart(), level);
     const StorePlace outside = around.around();
+    // The top of the store has nothing around it.
     if (outside.key == around.key) break;
     around = outside;
     const std::optional<ZarrHeader> header = findAttributes(around);
@@ -51,6 +52,7 @@ FoundZarr findArray(const StorePlace& folder) {
     found.take(*header);
     return found;
   }
+  // Names of axes may stand beside an array (_ARRAY_DIMENSIONS, dimension_names).
   if (const std::optional<ZarrHeader> own = findAttributes(folder)) {
     found.image = parseZarrImage(own->text, own->path);
     if (!isVersion3(*own)) found.take(*own);  // the array's own header otherwise
@@ -62,6 +64,7 @@ FoundZarr findArray(const StorePlace& folder) {
 std::string insideOf(const StorePlace& folder) {
   if (!folder.store->canList()) return "";
   std::string least;
+  // The least name, so that messages do not hang on the order in which a disk lists.
   folder.store->list(folder.key, [&](const ChunkStore::Entry& entry) {
     if (isZarr(folder.at(entry.name)) && (least.empty() || entry.name < least)) least = entry.name;
   });
@@ -82,6 +85,8 @@ std::optional<ZarrHeader> findHeader(const StorePlace& folder, const char* name)
     return std::as_writable_bytes(std::span(header.text));
   });
   if (!is_there) return std::nullopt;
+  // A rewritten header may keep its size and, where clocks are coarse, its time: its checksum
+  // tells.
   header.identity = fmt::format("{}|{:016x}", identityOf(place),
                                 zarrChecksum(std::as_bytes(std::span(header.text))));
   return header;
@@ -102,6 +107,7 @@ bool isZarr(const StorePlace& folder) {
 }
 
 ZarrHeader readArrayHeader(const StorePlace& array_folder, bool is_version3) {
+  // An image's header of one version may stand above arrays of the other.
   for (const char* name : {headerName(is_version3), headerName(!is_version3)})
     if (std::optional<ZarrHeader> header = findHeader(array_folder, name)) return *header;
   fail("{}: expected an array's header, there or in zarr.json; found none",

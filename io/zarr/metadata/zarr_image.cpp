@@ -81,6 +81,8 @@ void transform(const JsonField& list, ZarrPlace& place) {
       values.failExpected(fmt::format("{} numbers", place.scale.size()));
     for (size_t a = 0; a < by.size(); ++a) {
       if (type == "scale") {
+        // Transformations apply one after the other (OME-Zarr 0.4): a scale moves what was moved
+        // before.
         place.scale[a] *= by[a];
         place.translation[a] *= by[a];
       } else {
@@ -138,6 +140,7 @@ void parseMultiscale(const JsonField& multiscale, const std::string& level, Zarr
     if (!asked && (level.empty() || path.text() == level)) asked = i;
     ZarrPlace& place = image.places.emplace_back();
     if (const auto list = datasets[i].find("coordinateTransformations")) transform(*list, place);
+    // A translation of all levels tells nothing about how they lie to each other.
     if (of_all) {
       const bool is_translated = place.is_translated;
       transform(*of_all, place);

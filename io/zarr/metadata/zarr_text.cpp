@@ -24,7 +24,9 @@ std::string dtype(const ZarrArray& array) {
 
 ordered_json fillValue(const ZarrArray& array) {
   if (array.type != VoxelType::kF32 && array.type != VoxelType::kF64)
+    // A double would be written as "0.0".
     return static_cast<int64_t>(array.fill_value);
+  // JSON has no such numbers; both versions of Zarr name these texts.
   if (std::isnan(array.fill_value)) return "NaN";
   if (std::isinf(array.fill_value)) return array.fill_value > 0 ? "Infinity" : "-Infinity";
   return array.fill_value;
@@ -182,6 +184,7 @@ std::string zarrImageText(const VolumeLayout& layout, const std::string& name,
   ordered_json datasets = ordered_json::array();
   const auto addLevel = [&](const LevelPlacement& place) {
     ordered_json scale = ordered_json::array(), translation = ordered_json::array();
+    // OME-Zarr wants a number for each axis, also for those without a length.
     for (size_t i = 0; i < others; ++i) {
       scale.push_back(1.0);
       translation.push_back(0.0);
@@ -199,6 +202,7 @@ std::string zarrImageText(const VolumeLayout& layout, const std::string& name,
   for (const LevelPlacement& place : levels.placements) addLevel(place);
   const bool is_v3 = format == ZarrFormat::k3;
   ordered_json multiscale;
+  // OME-Zarr 0.5 has the version beside the multiscales, 0.4 in each of them.
   if (!is_v3) multiscale["version"] = "0.4";
   multiscale["name"] = name;
   multiscale["axes"] = axes;

@@ -102,6 +102,7 @@ std::vector<ZarrAxis> namedAxes(const N5Place& place, size_t axes, const std::st
   std::vector<ZarrAxis> named;
   if (!place.axes.empty() && place.axes.size() != axes)
     fail("{}: expected {} axes, as the data set has, found {}", path, axes, place.axes.size());
+  // Which of more axes are channels or time cannot be told without names.
   if (place.axes.empty() && (place.units.empty() || axes != 3)) return named;
   for (size_t a = 0; a < axes; ++a) {
     ZarrAxis& axis = named.emplace_back();
@@ -129,12 +130,14 @@ ZarrArray parseN5Array(std::string_view text, const std::string& path) {
   array.chunks = zarrExtents(blocks, array);
   array.type = n5TypeOf(root.require("dataType"));
   requireZarrSizes(dimensions, blocks, array);
+  // N5 names the fastest axis first, Zarr the slowest.
   reverse(array.shape);
   reverse(array.chunks);
   array.files = array.chunks;
   array.codec = n5CodecOf(root);
   array.order.resize(array.axes());
   std::iota(array.order.begin(), array.order.end(), size_t{0});
+  // N5 stores big-endian numbers always.
   array.byte_order = std::endian::big;
   array.separator = '/';
   array.is_n5 = true;
@@ -150,6 +153,7 @@ N5Place parseN5Place(std::string_view text, const std::string& path) {
       place.factors = factorsIn(*field);
   if (const auto transform = root.find("transform"); transform && transform->isObject())
     setTransform(*transform, place);
+  // n5-viewer writes "pixelResolution", Paintera "resolution".
   for (const char* key : {"pixelResolution", "resolution"}) {
     const auto field = root.find(key);
     if (!field || field->isNull()) continue;
@@ -191,6 +195,7 @@ ZarrImage n5Image(const N5Place& group, const std::vector<N5Place>& levels, size
     if (factor.empty()) place.scale = fitted(own.resolution, axes, 1, path);
     for (size_t a = 0; a < factor.size(); ++a) place.scale.push_back(base[a] * factor[a]);
     const std::vector<double> translation = fitted(own.translation, axes, 0, path);
+    // A coarser voxel is the mean of a block, whose middle lies half of the difference further.
     for (size_t a = 0; a < place.scale.size(); ++a)
       place.translation.push_back(!translation.empty() ? translation[a]
                                                        : first[a] + (place.scale[a] - base[a]) / 2);

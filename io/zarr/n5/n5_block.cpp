@@ -32,6 +32,7 @@ class HeaderReader {
 
 void checkN5Size(uint64_t stored_bytes, uint64_t chunk_bytes, const std::string& path) {
   constexpr uint64_t kHeaders = 4096;
+  // Numbers that cannot be compressed grow a little; more than that is damage.
   const uint64_t most = chunk_bytes + chunk_bytes / 16 + kHeaders;
   if (stored_bytes > most)
     fail("{}: expected at most {} bytes for a block of {}, found {}", path, most, chunk_bytes,
@@ -55,12 +56,14 @@ N5Block parseN5Block(const ZarrArray& array, int64_t chunk, std::span<const std:
   uint64_t voxels = 1;
   for (size_t a = 0; a < axes; ++a) {
     const int64_t whole = array.chunks[a];
+    // Some writers cut the last blocks of an axis to the array, others store them whole.
     const int64_t least = std::min(whole, array.shape[a] - index[a] * whole);
     if (block.extents[a] < least || block.extents[a] > whole)
       fail("{}: expected a block of {} to {} voxels along axis {}, found {}", path, least, whole,
            axes - 1 - a, block.extents[a]);
     voxels *= static_cast<uint64_t>(block.extents[a]);
   }
+  // The count of mode 1 is of elements, which are single numbers in what is read here.
   if (mode == kVarLength)
     if (const uint64_t said = header.number(4); said != voxels)
       fail("{}: expected a block of {} voxels, as its extents are, found {}", path, voxels, said);

@@ -93,10 +93,12 @@ std::vector<Vec3d> n5Factors(const StorePlace& setup, const StorePlace& time_poi
   ChunkedVolume read;
   std::vector<std::vector<double>> all = placeIn(setup, read).factors;
   if (all.empty())
+    // Without a list in the set-up, each level tells its own.
     while (all.size() < kMostLevels) {
       const StorePlace level = time_point.at(n5LevelName(all.size()));
       if (!level.has(kAttributes)) break;
       const N5Place own = placeIn(level, read);
+      // s0 needs no factors; a gap further on ends the levels.
       if (own.factors.size() != 1 && !all.empty()) break;
       all.push_back(own.factors.size() == 1 ? own.factors[0] : std::vector<double>{1, 1, 1});
     }
