@@ -66,12 +66,14 @@ int parseAndRun(const std::vector<std::string>& given, const Launch& launch) {
     sayText(overview(*makeCommandLine().program));
     return kDone;
   }
+  // The options of all commands are 1400; making them took half of the time of a short command.
   const CommandLine line = makeCommandLine(words.front());
   CLI::App& program = *line.program;
   // The complaint may name other commands.
   if (wrongUsage(program, words))
     return refuseTogether(launch, *wrongUsage(*makeCommandLine().program, words), kUsage);
   try {
+    // CLI11 takes a list of words from its end.
     program.parse(std::vector<std::string>(words.rbegin(), words.rend()));
   } catch (const CLI::CallForHelp&) {
     const CLI::App* asked = &program;

@@ -49,6 +49,7 @@ json benchChannels(const BenchArguments& bench) {
     failRequest(
         "{}: bench channels measures several channels of one volume, as --channel 0,1 gives them",
         bench.volume.inputs.front());
+  // All ways are open at once: together they stay within --memory.
   const uint64_t parts = channels.size() + 2;
   std::vector<ChannelsWay> ways;
   ways.reserve(parts);
@@ -64,6 +65,7 @@ json benchChannels(const BenchArguments& bench) {
   for (int i = -kWarmFrames; i < bench.frames; ++i) {
     FrameOptions options = bench.frame;
     options.camera.azimuth_deg += 360.0 * std::max(i, 0) / bench.frames;
+    // By turns, so that a busy machine slows down all of them alike.
     for (ChannelsWay& way : ways) {
       measure(way, options);
       if (i >= 0) continue;

@@ -280,6 +280,7 @@ void dropFromMemory(const std::vector<std::string>& files) {
   for (const std::string& file : files) {
     const Descriptor opened(open(file.c_str(), O_RDONLY | O_CLOEXEC));
     if (!opened) continue;
+    // Only pages that are on the disk can be dropped.
     fdatasync(opened.get());
     posix_fadvise(opened.get(), 0, 0, POSIX_FADV_DONTNEED);
   }
@@ -298,6 +299,7 @@ void drawSeries(const CullingBench& bench, json& report) {
     const Stopwatch watch;
     const int64_t steps = scene.volume.source->layout().time_steps;
     for (int64_t time = 0; time < steps; ++time) {
+      // The next step is told, so that it is read while this one is drawn.
       series.show(time, time + 1 < steps ? std::optional(time + 1) : std::nullopt);
       scene.session->frameReport();
     }
@@ -313,6 +315,7 @@ void drawSeries(const CullingBench& bench, json& report) {
 json benchCulling(const CullingBench& asked) {
   checkBasis(asked.culling);
   CullingBench bench = asked;
+  // Functions of opacity are made for one transfer function of all steps.
   bench.look.whole_series = true;
   Opened opened(bench);
   const SeriesFunctions functions = openFunctions(opened.volume, opened.look.transfer,

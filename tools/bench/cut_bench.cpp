@@ -73,10 +73,12 @@ class Shells {
     // Turning points of the wave lie at whole numbers.
     const double from = near * kShells, to = std::min(far, 1.0) * kShells;
     double lo = std::min(at(from), at(to)), hi = std::max(at(from), at(to));
+    // A wave of period 2 reaches all of its values within two turns.
     for (double turn = std::ceil(from); turn <= to && turn <= from + 2; ++turn) {
       lo = std::min(lo, at(turn));
       hi = std::max(hi, at(turn));
     }
+    // Noise alone lies outside of the ellipsoid.
     if (far > 1) lo = 0;
     return {static_cast<uint8_t>(std::max(0.0, lo - kNoise)), static_cast<uint8_t>(hi + kNoise)};
   }
@@ -131,6 +133,7 @@ TimeStep stepOf(VolumeSource& source, WorkerPool& pool) {
     const std::string reason =
         layout.add(dims / side, {{scale, scale, scale}, {offset, offset, offset}}, 2);
     if (!reason.empty()) break;
+    // Levels that show what the finest one shows need no ranges (CoarserStep).
     step.coarser.push_back({.source = &source, .ranges = nullptr, .spreads = &source});
   }
   step.pyramid = std::make_shared<const PyramidLayout>(layout);

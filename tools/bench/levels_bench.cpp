@@ -55,6 +55,7 @@ json rowOf(const LevelsArguments& bench, Scene& scene, const std::optional<CutOp
     const double frame_seconds = scene.session->frameReport().seconds;
     if (i >= 0) seconds.push_back(frame_seconds);
   }
+  // Counted in a frame of its own, since counting takes time.
   options.count_samples = true;
   scene.session->setOptions(options);
   const Frame frame = scene.session->frame();
@@ -79,6 +80,7 @@ json rowOf(const LevelsArguments& bench, Scene& scene, const std::optional<CutOp
 // Throws Error if the volume has one level.
 json benchLevels(const LevelsArguments& bench) {
   LevelsArguments asked = bench;
+  // Levels are opened only for a frame that may draw them.
   asked.frame.cut = CutOptions{};
   Scene scene = openScene(asked.volume, asked.look, asked.resources, asked.frame);
   if (scene.volume.step().coarser.empty())

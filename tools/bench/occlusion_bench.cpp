@@ -111,6 +111,7 @@ json rowOf(const OcclusionBench& bench, const std::string& word) {
   Scene scene =
       openScene({{file}, bench.volume.open, bench.volume.time}, look, bench.resources, boxes);
   Session& session = *scene.session;
+  // A curve or an opacity that was asked for is measured as it is.
   if (look.transfer_file.empty() && !look.opacity)
     session.setTransferFunction(scaleOpacity(scene.look.transfer, kSurfaceFactor));
   session.forgetLastFrame(scheduleOf(bench));

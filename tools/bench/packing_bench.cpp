@@ -32,6 +32,7 @@ nlohmann::json rowOf(const std::vector<VolumeBlockPtr>& blocks, const PackCodec&
     kept_bytes += packed ? packed->byte_count : voxels.size();
     if (!packed) continue;
     out.resize(voxels.size());
+    // Memory for the result is not part of unpacking.
     watch.lap();
     unpack(*packed, out);
     unpack_seconds += watch.lap();

@@ -37,6 +37,7 @@ struct Range {
   double lo, hi, start;
   double span() const { return hi - lo; }
   double clamped(double threshold) const {
+    // At the ends of the range nothing or everything is shown, which is no change to measure.
     return std::clamp(threshold, lo + 0.02 * span(), hi - 0.02 * span());
   }
 };
@@ -202,6 +203,7 @@ nlohmann::json warmChanges(const ThresholdRun& bench, nlohmann::json& report) {
   const auto expected = [&](const TransferFunction& transfer) {
     return changed.of(transfer, bench.asked.frame);
   };
+  // Chunks of the start are in textures already.
   expected(bench.start());
   for (const char* kind : kKinds) {
     session.setTransferFunction(bench.start());
@@ -254,6 +256,7 @@ nlohmann::json outOfCoreChanges(const ThresholdRun& bench) {
   const BufferNeeds needs =
       bufferNeeds(*bench.scene.volume.source, bench.scene.volume.layout,
                   bench.asked.frame.partition, bench.scene.volume.rangesBytes());
+  // Less memory would be refused.
   const uint64_t least = textures + leastBufferBytes(page, needs);
   const uint64_t memory_bytes = std::max(least, textures + (all.decoded + all.uploaded) / 4);
   nlohmann::json result{{"memory_bytes", memory_bytes}};

@@ -125,6 +125,7 @@ nlohmann::json benchView(const ViewBench& bench) {
   wish.height = bench.height;
   const auto whole = [&] {
     const Stopwatch watch;
+    // The hand lets go: a whole picture is drawn now, not previews.
     wish.moves = false;
     const uint64_t number = loop.wish(wish);
     loop.turnUntil([&] { return loop.completed >= number; });
@@ -160,6 +161,7 @@ nlohmann::json benchView(const ViewBench& bench) {
     complete.push_back(whole());
   }
   const DeskTimes times = desk.times();
+  // Answers to the wishes before the drags count among the first pictures.
   std::vector<double> answers(times.answer_s.begin() + static_cast<std::ptrdiff_t>(answers_before),
                               times.answer_s.end());
   const double steady_s = median(steady);

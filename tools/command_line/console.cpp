@@ -20,6 +20,7 @@ namespace {
 }  // namespace
 
 void openStandardStreams() {
+  // A file opened later would get a closed stream's number and receive messages as its contents.
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
     if (fcntl(stream, F_GETFD) != -1 || errno != EBADF) continue;
     // The lowest free number is this one.
@@ -29,6 +30,7 @@ void openStandardStreams() {
 }
 
 void sayText(std::string_view text) {
+  // Names of files may hold escape sequences that change the terminal.
   const std::string shown = withoutControls(text, "\n\t");
   errno = 0;
   if (std::fwrite(shown.data(), 1, shown.size(), stdout) != shown.size()) failOutput(errno);
@@ -40,6 +42,7 @@ void sayJson(const nlohmann::json& report) {
 
 void printError(std::string line) {
   line = "sluice: " + withoutControls(line) + "\n";
+  // What was printed before stands before the error where both go to one place.
   std::fflush(stdout);
   // Written in one call, so that lines of several processes do not mix.
   while (::write(STDERR_FILENO, line.data(), line.size()) < 0 && errno == EINTR) {

@@ -14,6 +14,7 @@ namespace {
 // The value of a variable that names a folder by its absolute path; empty otherwise.
 std::filesystem::path folderFrom(const char* variable) {
   const char* value = std::getenv(variable);
+  // XDG Base Directory Specification: a path that is not absolute is ignored.
   return value != nullptr && value[0] == '/' ? value : "";
 }
 
@@ -74,6 +75,7 @@ BucketAccess bucketAccess() {
 }
 
 WebCertificates webCertificates() {
+  // As curl itself takes them: a bundle of its own before OpenSSL's variables.
   if (std::string bundle = textFrom("CURL_CA_BUNDLE"); !bundle.empty()) return {bundle, ""};
   return {textFrom("SSL_CERT_FILE"), textFrom("SSL_CERT_DIR")};
 }
@@ -85,6 +87,7 @@ Launch launchOfProcess() {
 void prepareDriver() {
   const char* const given = std::getenv("GALLIVM_PERF");
   if (given == nullptr) return;  // the library sets it
+  // The user's flags stay; only the one that pictures need is added.
   std::string flags = given;
   if (flags.find(kExactSampling) != std::string::npos) return;
   if (!flags.empty()) flags += ',';

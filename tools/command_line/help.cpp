@@ -111,6 +111,7 @@ std::string HelpFormatter::make_help(const CLI::App* app, std::string /*name*/,
   for (const std::string& group : app->get_groups()) {
     const auto options =
         app->get_options([&](const CLI::Option* option) { return option->get_group() == group; });
+    // CLI11 hides options of an empty group.
     if (group.empty()) continue;
     std::string lines;
     for (const CLI::Option* option : options) {

@@ -29,12 +29,14 @@ void endNow(int) {
     for (const char* part : {"sluice: ", line, "\n"})
       if (::write(STDERR_FILENO, part, std::strlen(part)) < 0) break;
   }
+  // Destructors and atexit() handlers could wait for a lock that the interrupted thread holds.
   _exit(interruptionStatus());
 }
 
 void handle(int signal_number) {
   if (interrupted.load(std::memory_order_relaxed)) {  // the second one
     removeTemporaries();
+    // The parent sees an end by this signal, not an exit status.
     std::signal(signal_number, SIG_DFL);
     std::raise(signal_number);
     return;
@@ -48,6 +50,7 @@ void handle(int signal_number) {
 // The timer of kGraceMs; without one, alarm() counts in seconds.
 void prepareGrace() {
   std::signal(SIGALRM, endNow);
+  // A parent may have left it blocked, which exec() keeps.
   sigset_t alarm_alone;
   sigemptyset(&alarm_alone);
   sigaddset(&alarm_alone, SIGALRM);
@@ -62,6 +65,7 @@ void prepareGrace() {
 void watchForInterruption() {
   prepareGrace();
   for (const int signal_number : {SIGINT, SIGTERM, SIGHUP})
+    // nohup and shells in scripts ignore signals for their children on purpose.
     if (std::signal(signal_number, handle) == SIG_IGN) std::signal(signal_number, SIG_IGN);
 }
 

@@ -43,6 +43,7 @@ std::string nearest(const std::string& given, const std::vector<std::string>& kn
   const std::string word = withoutDashes(given);
   if (word.empty() || word.size() > kLongest) return "";
   std::string best;
+  // About a letter in three may be wrong; more would suggest words that nobody meant.
   size_t least = std::max<size_t>(1, (word.size() + 1) / 3) + 1;
   for (const std::string& candidate : known) {
     const size_t distance = editDistance(word, withoutDashes(candidate));

@@ -41,6 +41,7 @@ std::string textOf(const NumberRange<Number>& range, const char* what) {
 
 std::optional<double> parseReal(const std::string& text) {
   const auto number = parseAll<double>(text);
+  // from_chars() takes "inf" and "nan", too.
   return number && std::isfinite(*number) ? number : std::nullopt;
 }
 

@@ -50,6 +50,7 @@ fs::path withoutSlash(const fs::path& path) {
 // The path where writing to `path` ends up, when a link there leads to a file that does not exist
 // yet.
 fs::path followed(fs::path path) {
+  // Linux follows 40 links, too, before it gives up (path_resolution(7)).
   constexpr int kMostLinks = 40;
   std::error_code status;
   for (int i = 0; i < kMostLinks && fs::is_symlink(path, status); ++i) {
@@ -91,11 +92,13 @@ bool sameInode(const struct stat& a, const struct stat& b) {
 // Whether `path` lies in `folder`, at any depth.
 bool liesIn(const fs::path& path, const struct stat& folder) {
   std::error_code status;
+  // The file need not exist yet.
   fs::path at = fs::weakly_canonical(followed(withoutSlash(path)), status);
   if (status) return false;
   while (at.has_relative_path()) {
     at = at.parent_path();
     const auto here = statusOf(at);
+    // By inodes: bind mounts and links give one folder several names.
     if (here && sameInode(*here, folder)) return true;
   }
   return false;

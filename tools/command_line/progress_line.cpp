@@ -14,6 +14,7 @@
 
 namespace sluice {
 namespace {
+// Work that is done sooner shows no line, which would only flicker.
 constexpr double kFirstDrawSeconds = 0.5;
 constexpr double kRedrawSeconds = 0.2;
 

@@ -77,6 +77,7 @@ class Walk {
   std::optional<std::string> fault() {
     for (; at_ < words_.size(); ++at_) {
       const std::string& word = words_[at_];
+      // All words behind it are arguments, which the parser judges.
       if (word == "--") break;
       std::optional<std::string> found;
       if (isLong(word)) {
@@ -86,6 +87,7 @@ class Walk {
       } else {
         found = atWord(word);
       }
+      // Help is printed whatever stands behind it.
       if (found || asks_help_) return found;
     }
     const auto commands = commandNames(*app_);
@@ -134,6 +136,7 @@ class Walk {
     asks_help_ = &option == app_->get_help_ptr() || &option == app_->get_help_all_ptr() ||
                  &option == app_->get_version_ptr();
     const bool takes_value = option.get_expected_max() != 0;
+    // Options with a trigger take a list, one word each time.
     if (++count_[&option] > 1 && takes_value && !option.get_trigger_on_parse())
       return fmt::format("{} is given twice", name);
     if (!takes_value || value_attached) return std::nullopt;

@@ -95,6 +95,7 @@ Picture boxesPicture(Scene& scene, const VolumeArguments& volume, const IndexPla
     }
   BoxStore store(*scene.volume.source, places, volume.time, ranges, scene.pool, kTreeBytes,
                  kGrowingBytes);
+  // The last slice may lie in no cell: there is one fewer of them than voxels.
   const int64_t layer = std::min(z / layout.cells(), layout.grid.z - 1);
   for (int64_t y = 0; y < layout.grid.y; ++y)
     for (int64_t x = 0; x < layout.grid.x; ++x) {

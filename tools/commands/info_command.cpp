@@ -99,6 +99,7 @@ std::string orientationText(const VolumeLayout& layout) {
 // The value of the blocks that are not held.
 std::string backgroundText(const SliceRanges& ranges) {
   const double device = ranges.background;
+  // Infinities and NaN are kept as the largest floats (kLargest, kNotANumber).
   if (ranges.map.type == DeviceType::kF32 && std::abs(device) >= kLargest)
     return device <= kNotANumber ? "NaN" : device > 0 ? "inf" : "-inf";
   return fmt::format("{}", ranges.map.valueOf(device));

@@ -90,6 +90,7 @@ std::shared_ptr<const IndexedRanges> indexStore(const PackArguments& arguments, 
   for (size_t c = 0; c < channels; ++c) {
     if (channels > 1) store.open.channel = static_cast<int64_t>(c);
     IndexedVolume volume = openIndexed(store, resources, kUsualNeeds, pool);
+    // The first step was indexed when the store was opened.
     for (int64_t t = 1; t < volume.source->layout().time_steps; ++t)
       rangesOfStep(volume, t, {pool, progress, memoryBudget(arguments.resources), interruption()});
     if (c == 0) first = volume.index;
@@ -131,11 +132,13 @@ int pack(const PackArguments& arguments) {
   Outputs outputs;
   outputs.reads(arguments.volume.inputs);
   outputs.writesFolder("-o", arguments.output);
+  // Before anything is opened: an output that holds an input is found by its name alone.
   outputs.checkNames();
   const auto sources = openEachChannel(arguments.volume);
   std::vector<VolumeSource*> channels;
   channels.reserve(sources.size());
   for (const auto& source : sources) channels.push_back(source.get());
+  // The other files of a series are known only now.
   outputs.check(channels.front()->files());
   Workers pool(arguments.resources.threads);
   const VolumeLayout& layout = channels.front()->layout();
@@ -222,6 +225,7 @@ int check(const PackArguments& arguments) {
                               {"faults", report.faults}};
     sayJson(json);
   }
+  // After the report, so that --json lists all of them; the exit status tells as well.
   if (!report.faults.empty())
     fail("{} of {} chunks are not as packed: {}", report.faults.size(), report.chunks,
          report.faults.front());
@@ -304,6 +308,7 @@ Command addPack(CLI::App& program) {
                 "Budget for voxels and chunks (half of the machine's memory)");
   addThreadsOption(machine, arguments->resources.threads);
   addIndexDirOption(machine, arguments->resources.index_dir);
+  // --check needs no output, so that the parser cannot require one.
   app->parse_complete_callback([arguments] {
     if (!arguments->check && arguments->output.empty()) throw CLI::RequiredError("--output");
   });

@@ -118,7 +118,8 @@ std::optional<CutOptions> cutOf(const Arguments& arguments, Team* team) {
   const bool is_alone = frameCount(arguments) == 1 && !asksForRefinement(arguments);
   std::optional<CutOptions> cut =
       cutOf(pictureOf(arguments), refines, is_alone ? PictureRow::kOne : PictureRow::kMore);
-  // All ranks make the same cut, and each holds its share of the blocks.
+  // All ranks make the same cut, that of the first one's memory, and each holds its share of the
+  // blocks.
   if (cut && team != nullptr)
     cut->most_held_bytes = static_cast<uint64_t>(team->ranks()) *
                            std::stoull(team->fromFirst(std::to_string(cut->most_held_bytes)));
@@ -144,6 +145,7 @@ void checkLastStep(const Arguments& arguments) {
 std::vector<int64_t> framesToDraw(const Arguments& arguments, Team* team) {
   std::vector<int64_t> frames = framesToDraw(arguments);
   if (team == nullptr) return frames;
+  // Rank 0 looks for pictures alone: between two looks at the folder one may appear.
   return nlohmann::json::parse(team->fromFirst(nlohmann::json(frames).dump()))
       .get<std::vector<int64_t>>();
 }

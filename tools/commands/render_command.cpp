@@ -51,6 +51,7 @@ void requireSingleProcess(const Arguments& arguments, const Team& team) {
 void startTrace(const Arguments& arguments, Scene& scene) {
   if (arguments.trace_file.empty()) return;
   for (const Layer* layer : scene.layers())
+    // A channel's trace has a name of its own, which is known only now.
     renderOutputs(arguments, &scene).check(layer->volume.source->files());
   scene.recordTo(arguments.trace_file);
 }
@@ -108,6 +109,7 @@ int drawAndReport(const RenderJob& job, const FittedScene& fitted, Room room, co
     if (series.choice()) report["culling_choice"] = choiceJson(*series.choice());
     addEarlierFrames(arguments, earlier, report);
   }
+  // All ranks take part, those as well that print nothing.
   if (scene.share && wantsReport(arguments)) gatherReport(*team, scene.composited, report);
   if (!job.is_first) return 0;
   warnOfEmptyPictures(arguments, job.to_draw, drawn);
@@ -165,6 +167,7 @@ int run(Arguments& arguments, CLI::App& app, Team* team) {
   if (fitted.scene->volume.sample && !arguments.frame.time_limit_s) {
     earlier_pictures = drawSample(
         {arguments, to_draw, fitted.cameras, output, {}, *fitted.scene, is_first, has_step, began});
+    // The sample's scene ends first: both together would exceed --memory.
     fitted = {};
     fitted = openFitted(arguments, saved, outputs, team, room, FinestLevel::kMayWait);
     arguments.frame.shown_points = fitted.shown_points;

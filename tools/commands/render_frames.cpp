@@ -89,6 +89,7 @@ class Frames {
   }
 
   Drawn draw() {
+    // An interruption ends the loop instead of the program where a report tells of what is done.
     for (size_t at = 0; at < job_.to_draw.size() && !drawn_.is_cut; ++at) try {
         drawFrame(at);
       } catch (const Interrupted&) {
@@ -130,6 +131,7 @@ class Frames {
 
   void drawFrame(size_t at) {
     show(at);
+    // The picture before gives its memory to the next one.
     scene_.device->reuse(std::move(drawn_.picture));
     drawn_.name = frameName(arguments_, job_.to_draw[at]);
     std::optional<PictureWriter> writer;

@@ -112,6 +112,7 @@ void checkArguments(const CLI::App& app, const SimulateArguments& arguments,
 template <class Value, class Parse>
 std::optional<std::vector<Value>> parseList(const std::string& given, Parse parse) {
   std::vector<Value> values;
+  // An end of the text counts as a comma, so that an empty last word is refused.
   for (size_t at = 0; at <= given.size();) {
     const size_t comma = std::min(given.find(',', at), given.size());
     const std::optional<Value> value = parse(given.substr(at, comma - at));

@@ -117,6 +117,7 @@ class Run {
     if (!arguments_.by_page) return chunks;
     constexpr uint64_t kBytesARequest = 8, kBytesAPage = 64;
     const uint64_t budget = memoryBudget(arguments_.turn.resources);
+    // Divided, since the products may overflow.
     if (chunks.page_requests > budget / (2 * kBytesARequest) ||
         chunks.distinct_pages > budget / (2 * kBytesAPage))
       fail(

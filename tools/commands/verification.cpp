@@ -47,6 +47,7 @@ IndexedVolume openAnew(const Layer& layer, ChannelSource opened, const VerifiedV
   MachineOptions machine = view.resources;
   machine.memory_bytes = memoryBudget(layer.machine);
   const int64_t size = layer.volume.layout.size;
+  // Other blocks have other borders, so that a fault there shows as a difference.
   machine.block = size > 16 ? size / 2 : size * 2;
   machine.pages.reset();  // they need not hold a block of that size
   const IndexNeeds needs{.gradients = layer.volume.needs.gradients};
@@ -89,6 +90,7 @@ TimeStep stepOf(const IndexedVolume& volume, const Layer& layer, int64_t time,
 FrameOptions plainOptions(FrameOptions options) {
   options.algorithm = Algorithm::kConventional;
   options.partition = Partition::kBlocks;
+  // Rays never end early.
   options.opacity_threshold = 1;
   options.occlusion = Occlusion::kOff;
   options.skips = false;
@@ -156,6 +158,7 @@ void compare(const Picture& plain, const Picture& picture, Verification& result)
       sum += difference;
     }
     result.max_difference = std::max(result.max_difference, most);
+    // Rounding to 8 bits may differ by one.
     if (most > 1) ++result.differing_pixels;
   }
   result.mean_difference = sum / static_cast<double>(plain.rgba.size());
@@ -214,6 +217,7 @@ Verification verify(Scene& scene, const VerifiedView& view, FrameOptions options
   std::vector<std::unique_ptr<Session>> blended;
   for (size_t i = 0; i < layers.size(); ++i) {
     const Layer& layer = *layers[i];
+    // Blended channels are drawn together, each with its own share; others one after the other.
     SessionOptions session =
         sessionOptions(volumes[i], layer.look.lit, view.resources, Partition::kBlocks,
                        scene.blends() ? memoryBudget(layer.machine) : scene.memory_bytes);

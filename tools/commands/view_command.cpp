@@ -92,6 +92,7 @@ int run(const ViewArguments& arguments, const CLI::App& app) {
                                 !arguments.look.this_step);
   if (!arguments.state_file.empty()) {
     StateFile file = readState(arguments.state_file, interruption());
+    // A volume that is named on the command line comes before the saved one.
     if (request.volume.paths.empty() && file.volume) request.volume = *file.volume;
     options.state = std::move(file.state);
     options.state_file = arguments.state_file;
@@ -124,6 +125,7 @@ int run(const ViewArguments& arguments, const CLI::App& app) {
   request.is_asked_to_end = [stop = interruption()] { return stop.isStopRequested(); };
   request.say = [](const std::string& line) { say("{}\n", line); };
   run_window(request);
+  // The window closed in good order, but the exit status has to name the signal.
   interruption().throwIfStopped();
   return kDone;
 }

@@ -102,6 +102,7 @@ void showTerms(const Wanted& wanted, const FetchArguments& arguments) {
     return;
   }
   const NamedVolume& volume = *wanted.named;
+  // Terms that are not accepted yet are shown in any case.
   if (!is_silent || !arguments.accepts)
     say("{}: {}\n  {} x {} x {} voxels, {}, {}\n  {}\n  Terms: {}\n", volume.name, volume.what,
         volume.dims[0], volume.dims[1], volume.dims[2], volume.type, formatBytes(volume.bytes()),

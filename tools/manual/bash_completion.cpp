@@ -56,6 +56,7 @@ std::string bashCase(const CommandText& command) {
       for (const std::string& name : option.names)
         if (name.starts_with("--")) options += (options.empty() ? "" : " ") + name;
       if (!option.value.empty())
+        // A word that begins with '-' after such an option is its value, not an option to complete.
         values += fmt::format("            {}) {}; options= ;;\n", joined(option.names, "|"),
                               bashValue(option));
     }

@@ -70,6 +70,7 @@ std::string lastWord(const CommandText& command) {
 std::string firstClause(const std::string& help) {
   size_t end = help.size();
   for (const char* const mark : {"; ", ". ", ": ", ", "}) {
+    // A comma or a colon near the beginning leaves too little of the sentence.
     const size_t found = help.find(mark, mark[0] == ',' || mark[0] == ':' ? 24 : 0);
     end = std::min(end, found);
   }

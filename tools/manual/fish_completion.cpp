@@ -9,6 +9,7 @@ namespace {
 std::string fishQuoted(const std::string& text) {
   std::string result = "'";
   for (const char c : text) {
+    // Only these two have a meaning between single quotes in fish.
     if (c == '\'' || c == '\\') result += '\\';
     result += c;
   }

@@ -12,6 +12,7 @@ namespace {
 // `text` as roff shows it letter by letter, so that what is copied from the page is what was meant.
 std::string escaped(const std::string& text) {
   std::string result;
+  // Left alone, groff prints typographic quotes, hyphens and accents, which shells do not take.
   for (const char c : text) switch (c) {
       case '\\':
         result += "\\e";

@@ -11,6 +11,7 @@ std::string zshQuoted(const std::string& text, const std::string& special) {
   std::string result;
   for (const char c : text) {
     if (c == '\'') {
+      // A quote ends the text, stands by itself behind a backslash, and the text goes on.
       result += "'\\''";
       continue;
     }
@@ -37,6 +38,7 @@ std::string zshOption(const OptionText& option) {
     return fmt::format("'{}:{}'", option.is_list ? "*" : "", zshMessage(option));
   std::vector<std::string> forms;
   for (const std::string& name : option.names)
+    // "=" and "+" tell _arguments that the value may be a word of its own or follow at once.
     forms.push_back(option.value.empty() ? name : name + (name.starts_with("--") ? "=" : "+"));
   const std::string help = "[" + zshQuoted(firstClause(option.help), "[]:\\") + "]" +
                            (option.value.empty() ? "" : ":" + zshMessage(option));

@@ -20,6 +20,7 @@ std::optional<int64_t> powerOfTwo(const std::string& word, int64_t least, int64_
 
 std::optional<Vec3i> parsePageOption(const std::string& word) {
   const auto page = parsePageSize(word);
+  // Without --block, the longest side of a page is that of a block.
   if (!page || std::max({page->x, page->y, page->z}) > kMostBlock) return std::nullopt;
   return page;
 }
@@ -117,6 +118,7 @@ void addResourceOptions(CLI::App& app, ResourceArguments& arguments) {
 }
 
 void takeIdleOptions(CLI::App& app) {
+  // A scratch parser lists the options of drawing commands, so that no second list goes stale.
   CLI::App drawing;
   drawing.set_help_flag();
   ResourceArguments resources;
@@ -133,6 +135,7 @@ void takeIdleOptions(CLI::App& app) {
       if (quiet == nullptr || quiet->count() == 0)
         printWarning(fmt::format("{} changes nothing here", name));
     };
+    // CLI11 hides options of an empty group: they are taken, but not offered.
     app.add_option_function<std::string>(name, warn)->group("");
   }
 }

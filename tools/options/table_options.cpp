@@ -48,6 +48,7 @@ std::optional<OptionValue> surfacesOf(const std::string& word) {
 std::optional<OptionValue> wholesOf(const OptionReals& numbers) {
   OptionWholes wholes;
   for (const double n : numbers) {
+    // Beyond 2^53 a double skips whole numbers.
     if (n != std::floor(n) || std::abs(n) > 0x1p53) return std::nullopt;
     wholes.push_back(static_cast<int64_t>(n));
   }

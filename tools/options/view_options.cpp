@@ -107,6 +107,7 @@ AskedView addPictureOptions(CLI::App& app, LookArguments& look, FrameOptions& fr
   frame.camera.view = ViewName::kThreeQuarter;
   addViewOptions(app, asked, frame);
   CLI::Option* step = app.get_option("--step");
+  // The distance of slices is chosen from the picture if nobody gives it.
   step->default_str("");
   step->description(step->get_description() +
                     " (1, or less if pixels are smaller than voxels or the picture is lit)");

@@ -79,6 +79,7 @@ void requireNoConflict(ViewState state, const std::string& file, const std::stri
   const bool has_opacities = std::ranges::any_of(
       given, [](const OptionEntry* of) { return std::ranges::count(kOpacities, of->option) > 0; });
   if (has_opacities) clearOption("--labels", state);
+  // The user's values are judged together with the file's, as the picture will have both.
   for (const OptionEntry* entry : given)
     if (const auto value = entry->get(asked)) entry->set(state, *value);
   requireNoConflict(state, file, [&](std::string_view option) {
@@ -146,6 +147,7 @@ SavedView applyState(CLI::App& app, const std::string& file, const ViewState& as
   for (const auto& [name, value] : words) {
     CLI::Option* option = app.get_option_no_throw(name);
     if (option == nullptr || std::find(given.begin(), given.end(), name) != given.end()) continue;
+    // Each word is taken by itself: the one before may be of the same option (--clip).
     option->clear();
     option->add_result(value.empty() ? "true" : value);
     takeFromFile(*option, file);

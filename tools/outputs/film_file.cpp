@@ -108,8 +108,10 @@ FilmFile::FilmFile(const std::filesystem::path& path, PictureSize size, double f
       file_(path) {}
 
 FilmFile::~FilmFile() {
+  // An unfinished film is given up; file_ removes what ffmpeg wrote of it.
   if (child_ < 0) return;
   kill(child_, SIGKILL);
+  // Without a wait the child stays a zombie as long as this process runs.
   while (waitpid(child_, nullptr, 0) < 0 && errno == EINTR) {
   }
 }
@@ -142,6 +144,7 @@ void FilmFile::send(std::span<const std::byte> bytes) {
   while (!bytes.empty()) {
     stop_.throwIfStopped();
     pollfd waiting{to_.get(), POLLOUT, 0};
+    // Short waits, so that an interruption is noticed while ffmpeg is slow.
     if (poll(&waiting, 1, kStepMs) <= 0) continue;
     const ssize_t sent = ::send(to_.get(), bytes.data(), bytes.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
     if (sent < 0 && (errno == EINTR || errno == EAGAIN)) continue;

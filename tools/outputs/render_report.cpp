@@ -86,6 +86,7 @@ void addEarlierFrames(const RenderArguments& arguments, const nlohmann::json& ea
                       nlohmann::json& report) {
   if (!arguments.resume) return;
   std::map<std::string, nlohmann::json> known;  // by the picture's name in its folder
+  // This run comes last: its frames take the place of earlier ones of the same name.
   for (const nlohmann::json* run : {&earlier, &std::as_const(report)})
     if (run->is_object() && run->contains("frames") && (*run)["frames"].is_array())
       for (const nlohmann::json& frame : (*run)["frames"])

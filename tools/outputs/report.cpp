@@ -325,6 +325,7 @@ json optionsJson(const CLI::App& app) {
       options[name] = option->results().front();
     } else {
       std::vector<std::string> words = option->results();
+      // Addresses may hold a password or a signature, and reports are passed on.
       for (std::string& word : words) word = withoutSecrets(word);
       options[name] = std::move(words);
     }

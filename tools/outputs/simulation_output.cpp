@@ -35,6 +35,7 @@ json lruCurveJson(const LruCurve& lru) {
   const size_t count = std::min(kMostPoints, steps.size());
   json pages = json::array(), ratios = json::array();
   for (size_t i = 0; i < count; ++i) {
+    // The first and the last one always stay.
     const MissRatioCurve::Step& step = steps[count < 2 ? 0 : i * (steps.size() - 1) / (count - 1)];
     pages.push_back(step.pages);
     ratios.push_back(lru.curve.missRatioAt(step.pages));

@@ -39,6 +39,7 @@ int64_t layersOf(Vec3i grid, int64_t stride) {
 
 std::optional<Sheet> sheetFor(Vec3i grid) {
   if (grid.x > kWidth || grid.y > kMostHeight) return std::nullopt;
+  // The fewest layers are left out, and then blocks are as large as the sheet allows.
   for (int64_t stride = 1; stride <= grid.z; ++stride)
     for (int64_t side = kMostSide; side >= 1; --side) {
       Sheet sheet{side, stride, 1, 1};

@@ -56,6 +56,7 @@ std::string escapeHtml(std::string_view text) {
         out += "&#39;";
         break;
       default:
+        // Control characters are no valid HTML.
         out += static_cast<unsigned char>(c) < 32 ? '?' : c;
     }
   }

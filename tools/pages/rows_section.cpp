@@ -77,6 +77,7 @@ std::string speedsOf(const std::vector<Leaves>& rows, const std::vector<std::str
                         {{std::max(value->get<double>(), 0.0), hue++, column}}});
       }
     }
+    // More bars tell nothing at a glance; the table has the numbers.
     if (!bars.empty() && bars.size() <= kMostBars)
       out += fmt::format("<h3>{}</h3>\n",
                          is_rate ? "Rates: longer is faster" : "Seconds: shorter is faster") +

@@ -90,7 +90,9 @@ void drawCurve(const MissRatioCurve& curve, const PlotRange& range, SvgPlot& plo
   double before = 0;
   for (int i = 0; i <= kPoints; ++i) {
     const double pages = range.lo * std::pow(range.hi / range.lo, static_cast<double>(i) / kPoints);
+    // Powers of two come out of pow() a little too small.
     const double ratio = curve.missRatioAt(static_cast<uint64_t>(pages + 1e-6));
+    // A step stands upright instead of being joined by a slope.
     if (i > 0 && ratio != before) stairs.emplace_back(pages, before);
     stairs.emplace_back(pages, ratio);
     before = ratio;

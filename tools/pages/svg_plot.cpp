@@ -15,6 +15,7 @@ constexpr double kLeft = 72, kRight = 28, kTop = 30, kBottom = 46;  // pixels ar
 
 double scaled(const SvgAxis& axis, double v) {
   if (!axis.is_log2) return (v - axis.lo) / (axis.hi - axis.lo);
+  // Values below the axis would lie outside of the picture, and 0 has no logarithm.
   return (std::log2(std::max(v, axis.lo)) - std::log2(axis.lo)) /
          (std::log2(axis.hi) - std::log2(axis.lo));
 }
@@ -36,6 +37,7 @@ std::string tickText(double v, bool is_power_of_two) {
 std::vector<double> ticksOf(const SvgAxis& axis) {
   std::vector<double> ticks;
   if (axis.is_log2) {
+    // Rounding must not take away a tick at an end.
     const int lo = static_cast<int>(std::ceil(std::log2(axis.lo) - 1e-9));
     const int hi = static_cast<int>(std::floor(std::log2(axis.hi) + 1e-9));
     const int step = std::max(1, (hi - lo) / 8);

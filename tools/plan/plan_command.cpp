@@ -138,6 +138,7 @@ int run(const PlanArguments& asked, const CLI::App& app) {
   checkBasis(arguments.culling);
   Workers pool(arguments.resources.threads);
   check(arguments);
+  // Functions of opacity hold for one transfer function of all steps.
   arguments.look.whole_series = arguments.culling.culling != Culling::kNone;
   // A picture with a time limit is a row of pictures that get better.
   const bool refines = arguments.frame.time_limit_s && arguments.frame.cut;
@@ -153,8 +154,10 @@ int run(const PlanArguments& asked, const CLI::App& app) {
       passOverServer(arguments.volume, arguments.look, arguments.resources, arguments.frame);
   if (pass && pass->is_all) return printPassAlone(arguments, *pass, app);
   if (pass && !arguments.resources.quiet) printNotice(passLine(arguments.volume, *pass));
+  // The pass over the finest level waits until it is known whether the picture shows it.
   OpenedPicture opened = openPlanned(arguments, FinestLevel::kMayWait, outputs, pool);
   const bool must_read = mustReadFinest(opened, arguments.frame, pool);
+  // Over the network the pass is forecast and not made: its bytes are what is asked about.
   if (must_read && pass) {
     for (IndexedVolume& volume : opened.volumes) addFinestLevel(*pass, volume);
   }

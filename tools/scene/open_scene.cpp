@@ -66,6 +66,7 @@ std::vector<IndexedVolume> openIndexedChannels(const VolumeArguments& arguments,
     std::vector<IndexNeeds> needs;
     for (const ChannelSource& channel : opened) {
       FrameOptions own = pictures;
+      // --level counts the levels of the first volume; the second one has its own.
       if (own.cut && channel.channel.is_over && !blends) own.cut->level.reset();
       LookArguments own_look = lookOfChannel(look, channel.channel);
       own_look.labels = own_look.labels || (own_look.map.empty() && own_look.opacities.empty() &&
@@ -89,6 +90,7 @@ std::vector<IndexedVolume> openIndexedChannels(const VolumeArguments& arguments,
   for (const IndexedVolume& volume : volumes) requireLevel(*frame.cut, volume.step());
   FrameOptions finest_alone = frame;
   finest_alone.cut.reset();
+  // The first opening ends before the second, so that both do not take memory at once.
   volumes.clear();
   return openFor(finest_alone);
 }

@@ -50,6 +50,7 @@ int endTogether(Team& team, const std::string& line) {
 
 Launch beginRanks() {
   const Launch launch = launchOfProcess();
+  // The others print nowhere, since the first prints for all.
   if (launch.rank == 0) return launch;
   const int nowhere = open("/dev/null", O_WRONLY | O_CLOEXEC);
   if (nowhere < 0) return launch;
@@ -83,9 +84,11 @@ int onRanks(const std::function<int(Team* team)>& body) {
 int refuseTogether(const Launch& launch, const std::string& line, int status) {
   if (launch.ranks > 1) {
     try {
+      // All ranks may have refused, each for itself: they meet, so that one line is printed.
       Team team(joinRanks(launch), interruption());
       const std::string all = team.fail(line).what();
       const int failed = endTogether(team, all);
+      // The same complaint from all is wrong usage; another one tells of a rank that failed.
       return all == line ? status : failed;
     } catch (const std::exception&) {
       // Ranks that cannot meet: each refuses alone.
@@ -99,6 +102,7 @@ void shareMachine(Team& team, ResourceArguments& resources) {
   const std::string place = placeOfProcess();
   const auto on_host = static_cast<uint64_t>(team.ranksBeside(hostOf(place)));
   const int on_processors = team.ranksBeside(place);
+  // Ranks on one host share its memory, and those on the same processors these.
   if (resources.memory_bytes == 0) resources.memory_bytes = memoryBudget(resources) / on_host;
   if (resources.threads == 0) resources.threads = std::max(1, processorCount() / on_processors);
   if (!team.isFirst()) resources.quiet = true;

@@ -116,6 +116,7 @@ Series::Series(Scene& scene, const CullingArguments& culling, const ResourceArgu
     return cullingOptions(culling.culling, frame, *functions_, memory_bytes);
   };
   const SeriesOpacity& opacity = *functions_->opacity();
+  // The functions take memory beside the session, which has to be opened with less.
   scene.openSession(frame, [&](uint64_t memory_bytes) {
     return opacity.bytes() + CulledBlocks::mostBytes(opacity, frame.size, optionsWith(memory_bytes),
                                                      scene.pool.threads());
@@ -148,7 +149,9 @@ CullingChoice Series::measure(std::span<const int64_t> times) {
     return choice;
   }
   double none = std::numeric_limits<double>::infinity(), culled = none;
+  // A warm-up, which does not count.
   secondsOf(times[0], true);
+  // By turns and the least of two, so that neither way has the quieter moments.
   for (const size_t i : {1, 3}) {
     none = std::min(none, secondsOf(times[i], false));
     culled = std::min(culled, secondsOf(times[i + 1], true));
@@ -176,6 +179,7 @@ Series::~Series() {
 }
 
 std::vector<TimeStep> Series::steps(int64_t time) {
+  // The step was made ready while the one before was drawn.
   if (!next_.empty() && next_.front().time == time) return next_;
   ProgressMeter progress;
   std::vector<TimeStep> steps;
