@@ -21,6 +21,7 @@ struct HugePageAllocator {
   template <class U>
   HugePageAllocator(const HugePageAllocator<U>& /*other*/) {}
 
+  // Small arrays come from the usual allocator: a huge page would mostly be wasted.
   T* allocate(size_t count) {
     const size_t bytes = count * sizeof(T);
     if (bytes < kHugePage) return static_cast<T*>(::operator new(bytes));

@@ -35,11 +35,13 @@ struct MissRatioCurve {
   double missRatioAt(uint64_t pages) const { return requests > 0 ? missesAt(pages) / requests : 1; }
 };
 
+// Exact, of LRU at all sizes, by the stack distances of one pass (Mattson 1970).
 MissRatioCurve lruCurve(const PreparedTrace& trace);
 
 // Gathers weights of distances and sums them up into a curve.
 class DistanceHistogram {
  public:
+  // `distance`: the pages that a cache needs for the request to hit; `weight`: its page requests.
   void add(uint64_t distance, double weight) {
     if (distance < kDense) {
       if (distance >= dense_.size()) dense_.resize(std::min(kDense, 2 * distance + 64), 0);
@@ -48,6 +50,7 @@ class DistanceHistogram {
       sparse_[distance] += weight;
     }
   }
+  // A key's first request, which misses at every size.
   void addCold(double weight) { cold_ += weight; }
   MissRatioCurve curve() const;
 

@@ -103,6 +103,7 @@ class Reader : public TraceReader {
 class OutputBuffer {
  public:
   explicit OutputBuffer(const std::filesystem::path& path) : file_(path) {}
+  // Throws Error, as commit() does, if the file cannot be written.
   void append(std::string_view text) {
     pending_ += text;
     if (pending_.size() >= kFlushBytes) flush();
@@ -137,6 +138,7 @@ class Writer : public TraceWriter {
 };
 
 using Stream = std::unique_ptr<std::istream>;
+// `label`: the file's name in messages.
 std::unique_ptr<TraceReader> makeTextReader(Stream in, std::string label);
 std::unique_ptr<TraceReader> makeBinaryReader(Stream in, std::string label);
 std::unique_ptr<TraceReader> makeCsvReader(Stream in, std::string label, uint64_t page_bytes);
@@ -148,6 +150,7 @@ std::unique_ptr<TraceReader> makeOracleGeneralReader(Stream in, std::string labe
 // The companion of an oracleGeneral file: ".sluice" after the whole name.
 std::filesystem::path companionOf(const std::filesystem::path& path);
 
+// The file gets its name at finish(). All throw Error if it cannot be written.
 std::unique_ptr<TraceWriter> makeTextWriter(const std::filesystem::path& path, uint64_t page_bytes);
 std::unique_ptr<TraceWriter> makeBinaryWriter(const std::filesystem::path& path,
                                               uint64_t page_bytes);

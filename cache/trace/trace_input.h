@@ -104,6 +104,7 @@ inline bool takeCharacter(std::string_view& text, char c) {
   return true;
 }
 
+// Takes spaces and tabs off the front, if there are any.
 inline void skipSpaces(std::string_view& text) {
   while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
 }

@@ -65,6 +65,7 @@ struct DicomHeader {
   uint64_t pixels_at = 0;
   uint64_t pixels_length = 0;
 
+  // Those of the frame, or else the shared ones, or else the image's own, member by member.
   DicomFunctions functionsOf(int64_t frame) const;
   uint64_t frameBytes() const {
     return static_cast<uint64_t>(columns * rows * samples * (bits_allocated / 8));

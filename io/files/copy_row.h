@@ -7,6 +7,7 @@
 
 namespace sluice {
 
+// copyRow() for one length of voxels, which the compiler then copies without a call.
 template <size_t bytes>
 void copyWords(const std::byte* from, int64_t stride, std::byte* to, int64_t count) {
   for (int64_t i = 0; i < count; ++i)

@@ -20,6 +20,7 @@ struct MeshEncoding {
   FileKind kind;
 };
 
+// It lives as long as the program.
 const MeshEncoding& encodingOf(MeshFormat format);
 
 }  // namespace sluice

@@ -15,11 +15,13 @@ namespace sluice {
 // ImageJ's "key=value" lines, or the attributes of an XML element.
 using Fields = std::map<std::string, std::string, std::less<>>;
 
+// Empty: there is no such field, or it is empty.
 inline std::string fieldOf(const Fields& fields, std::string_view name) {
   const auto found = fields.find(name);
   return found == fields.end() ? "" : found->second;
 }
 
+// The number that the whole text is; nullopt: it is none, or T cannot hold it.
 template <class T>
 std::optional<T> numberIn(std::string_view text) {
   T value{};

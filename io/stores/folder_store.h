@@ -27,6 +27,7 @@ class FolderStore final : public ChunkStore {
   timespec opened_at_ = {};  // constant after construction
 };
 
+// A place in a new store of this folder. Nothing is read yet.
 StorePlace folderPlace(const std::filesystem::path& folder);
 
 }  // namespace sluice

@@ -29,6 +29,7 @@ class SynthField {
   const Box3 box_;
 };
 
+// A field for each kind, see synth_source.h. Requires: options that openSynth() has checked.
 std::unique_ptr<SynthField> makePhantomField(const SynthOptions& options);
 std::unique_ptr<SynthField> makeShellsField(const SynthOptions& options);
 std::unique_ptr<SynthField> makeMarschnerLobbField(const SynthOptions& options);

@@ -23,7 +23,9 @@ class VdbReader {
   uint64_t size() const { return file_.sizeBytes(); }
   uint64_t position() const { return position_; }
 
+  // Each moves the position behind what was read; seek() alone may go back.
   void read(void* to, uint64_t bytes);
+  // A number as it lies in the file, which OpenVDB writes in little-endian order.
   template <class T>
   T number() {
     T value{};

@@ -13,6 +13,7 @@
 
 namespace sluice {
 
+// Requires: the numbers fit 32 bits, as OpenVDB's coordinates do.
 inline openvdb::Coord coordOf(Vec3i p) {
   return {static_cast<int32_t>(p.x), static_cast<int32_t>(p.y), static_cast<int32_t>(p.z)};
 }

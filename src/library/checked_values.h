@@ -13,6 +13,7 @@
 
 namespace sluice {
 
+// x, y and z of the interface's arrays as vectors, and back.
 inline Vec3d vec(const std::array<double, 3>& v) {
   return {v[0], v[1], v[2]};
 }
@@ -24,6 +25,7 @@ std::array<T, 3> asArray(Vec3<T> v) {
   return {v.x, v.y, v.z};
 }
 
+// `field`: the option's name, which messages begin with. These throw Error (a request's).
 inline void requireFinite(const char* field, double value) {
   if (!std::isfinite(value)) failRequest("{} {}: must be finite", field, value);
 }
@@ -33,6 +35,7 @@ inline void requirePowerOfTwo(const char* field, int64_t value, int64_t least, i
     failRequest("{} {}: must be a power of two from {} to {}", field, value, least, most);
 }
 
+// The number itself, from 0 (one a core) to kMostThreads. Throws Error.
 inline int checkedThreads(int threads) {
   if (threads < 0 || threads > kMostThreads)
     failRequest("threads {}: must be 0, one a core, or up to {}", threads, kMostThreads);

@@ -27,6 +27,7 @@ MachineOptions machineOptions(const VolumeOptions& options);
 VolumeOptions::Web webAccess(const BucketAccess& buckets);
 MachineOptions machineOptions(const RendererOptions& options);
 
+// `whole_series`: one look for all time steps of the volume.
 LookArguments lookArguments(const LookOptions& look, bool whole_series);
 // Sets what the look sets, and leaves the rest of the arguments as it is.
 void setLook(const LookOptions& look, LookArguments& arguments);
@@ -51,6 +52,7 @@ void requireStep(int64_t time, const VolumeLayout& layout);
 // The name as in VolumeInfo::frame.
 std::string frameName(WorldFrame frame);
 
+// For users: sizes in voxels, places in the layout's unit.
 VolumeInfo volumeInfo(const VolumeLayout& layout, ValueRange values,
                       const std::vector<std::string>& notes);
 

@@ -24,6 +24,7 @@ class ProgressTeller {
   ProgressTeller(const ProgressFunction& progress, const std::stop_token& stop)
       : progress_(progress), on_stop_(stop, Request{&source_}) {}
 
+  // `done` of `total` in units of the stage's own.
   void tell(Progress::Stage stage, uint64_t done, uint64_t total);
   // tell() of this stage. The teller outlives it.
   ProgressWatch watch(Progress::Stage stage);

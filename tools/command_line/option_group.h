@@ -32,6 +32,7 @@ namespace sluice {
 template <class Value>
 using Words = std::vector<std::pair<std::string, Value>>;
 
+// A word for each value of the list, by `name_of`.
 template <class Value, class List, class Name>
 Words<Value> wordsOf(const List& values, Name name_of) {
   Words<Value> words;

@@ -19,6 +19,7 @@ std::optional<PictureSize> parsePictureSize(const std::string& text);
 // "RRGGBB" with an optional '#': 0..1 a channel.
 std::optional<std::array<float, 3>> parseColor(const std::string& text);
 
+// Requires: three numbers, whole ones for asVec3i().
 Vec3d asVec3d(const std::vector<double>& numbers);
 Vec3i asVec3i(const std::vector<double>& numbers);
 

@@ -13,6 +13,7 @@ enum ExitStatus : int { kDone = 0, kFailed = 1, kUsage = 2 };
 
 using Command = std::function<int()>;
 
+// The functions may throw Error, Interrupted and CLI::ParseError, which program.cpp reports.
 Command addInfo(CLI::App& program);
 Command addRender(CLI::App& program);
 Command addView(CLI::App& program);

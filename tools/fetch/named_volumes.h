@@ -18,8 +18,10 @@ struct NamedVolume {
   std::string_view credit;       // as the collection states it; empty: not known
   std::string_view sha256 = {};  // empty: not published
 
+  // The name that the collection gives it; sluice reads sizes and type from it.
   std::string file() const;
   std::string address() const;
+  // Of the whole file, by its sizes and type.
   uint64_t bytes() const;
   // The licence, or what takes its place, in a line.
   std::string terms() const;
@@ -27,6 +29,7 @@ struct NamedVolume {
   std::string options() const;
 };
 
+// All of them, in the order of their names.
 std::span<const NamedVolume> namedVolumes();
 // null: there is none of that name.
 const NamedVolume* findVolume(std::string_view name);

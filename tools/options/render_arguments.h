@@ -40,14 +40,17 @@ struct RenderArguments {
   bool json = false;
 };
 
+// Pictures of a turn, of a path or of a range of time steps, at least 1.
 inline int64_t frameCount(const RenderArguments& arguments) {
   return arguments.times ? arguments.times->count() : arguments.frames;
 }
 
+// The time step of a frame, counted from 0.
 inline int64_t timeOf(const RenderArguments& arguments, int64_t frame) {
   return arguments.times ? arguments.times->at(frame) : arguments.volume.time;
 }
 
+// Whether frames go through tools/scene/series.h, which reads ahead and culls.
 inline bool isSeries(const RenderArguments& arguments) {
   return arguments.times || arguments.culling.culling != Culling::kNone;
 }

@@ -31,6 +31,7 @@ struct BoxesWish {
 PlannedBoxes planBoxes(const BoxesWish& wish, const IndexedVolume& volume,
                        const PlannedBlocks& shown, WorkerPool& pool);
 
+// A table for people, and the same as JSON.
 void print(const PlannedBoxes& planned);
 nlohmann::json boxesJson(const PlannedBoxes& planned);
 

@@ -20,11 +20,13 @@ struct NrrdFields {
   size_t header_bytes = 0;
   bool ended_by_blank_line = false;
 
+  // `name`: lower case, without spaces.
   std::optional<std::string_view> find(std::string_view name) const {
     const auto found = values.find(std::string(name));
     if (found == values.end()) return std::nullopt;
     return found->second;
   }
+  // The same. Throws Error: there is no such field.
   std::string_view demand(std::string_view name) const {
     const std::optional<std::string_view> value = find(name);
     if (!value) fail("{}: the NRRD header has no field '{}'", path, name);

@@ -30,6 +30,7 @@ struct FoundZarr {
   bool is_image = false;     // the folder is an image's, the array its level 0
   bool is_version3 = false;  // the image's metadata are
 
+  // Counts the file among those that were read.
   void take(const ZarrHeader& header);
 };
 

@@ -8,6 +8,7 @@
 
 namespace sluice {
 
+// Of any number of bytes; 0 for none.
 uint32_t crc32c(std::span<const std::byte> bytes);
 
 }  // namespace sluice

@@ -24,6 +24,7 @@ struct StoredChunk {
 };
 static_assert(sizeof(StoredChunk) == 16, "as it lies in the file");
 
+// XXH3 of 64 bits over the bytes as they are stored.
 uint64_t zarrChecksum(std::span<const std::byte> bytes);
 
 // The chunks by number. `array_text` is the .zarray that the chunks belong to. nullopt when the

@@ -94,6 +94,7 @@ class ZarrChunkCache {
   Chunk get(const Key& key, IfLoading if_loading = IfLoading::kWait);
   CacheCounters counters() const { return chunks_.counters(); }
 
+  // Applies at once: chunks that nobody uses go until the rest fits.
   void setBudget(uint64_t budget_bytes);
   const ChunkMemory& held() const { return memory_; }
 

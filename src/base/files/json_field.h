@@ -60,6 +60,7 @@ class JsonField {
   // true or false, or a number, as some programs write them.
   bool flag() const;
 
+  // Throws Error with the file, the field's place, what was expected, and what stands there.
   [[noreturn]] void failExpected(std::string_view expected) const;
 
  private:

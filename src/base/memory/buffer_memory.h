@@ -26,6 +26,7 @@ class BufferMemory : public std::enable_shared_from_this<BufferMemory> {
   // Smaller pieces are the allocator's: they are cheap there.
   static constexpr size_t kLeastBytes = size_t{64} << 10;
 
+  // `limit_bytes`: idle memory goes back to the system if more is held, in use and idle.
   static std::shared_ptr<BufferMemory> make(uint64_t limit_bytes);
   ~BufferMemory();
   BufferMemory(const BufferMemory&) = delete;

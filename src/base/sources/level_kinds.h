@@ -21,6 +21,7 @@ class LevelKinds {
 inline constexpr LevelValues kLevelKinds[] = {LevelValues::kMeans, LevelValues::kMaxima,
                                               LevelValues::kMinima, LevelValues::kModes};
 
+// Empty: the source has no such levels. They live as long as the source.
 inline std::span<const CoarserLevel> levelsOfKind(const VolumeSource& source, LevelValues values) {
   const auto* kinds = dynamic_cast<const LevelKinds*>(&source);
   return kinds == nullptr ? std::span<const CoarserLevel>() : kinds->levelsOfKind(values);

@@ -26,6 +26,7 @@ class UnitSource {
   virtual ReadUnits readUnits() const = 0;
 };
 
+// The source's units, or the default of single voxels.
 inline ReadUnits readUnits(const VolumeSource& source) {
   const auto* units = dynamic_cast<const UnitSource*>(&source);
   return units == nullptr ? ReadUnits() : units->readUnits();

@@ -141,6 +141,7 @@ class SingleFlightCache {
   }
   uint64_t budgetBytes() const SLUICE_REQUIRES(mutex) { return counters_.budget_bytes; }
 
+  // Applies at once: entries that may go do, until the rest fits.
   void setBudget(uint64_t budget_bytes) SLUICE_EXCLUDES(mutex) {
     const MutexLock lock(mutex);
     counters_.budget_bytes = budget_bytes;

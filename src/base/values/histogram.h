@@ -28,6 +28,7 @@ double binWidth(const Histogram& histogram);
 // The lower edge of a bin; binEdge(h, h.counts.size()) is range.hi.
 double binEdge(const Histogram& histogram, size_t bin);
 
+// The number of values that were counted.
 uint64_t total(const Histogram& histogram);
 
 // The value that `share` (0..1) of the counted values do not exceed, taken as spread evenly inside

@@ -38,6 +38,7 @@ inline uint64_t jumpsTogether(uint64_t a, uint64_t b) {
 // At most this many entries come from one volume.
 inline constexpr size_t kMostValueCounts = 4096;
 
+// The number of voxels that all entries count.
 uint64_t total(const ValueCounts& counts);
 // From the least to the greatest value of all entries; 0, 0 if there are none.
 ValueRange rangeOf(const ValueCounts& counts);

@@ -19,6 +19,7 @@ inline constexpr std::array kCoreVersions{46, 45, 44, 43, 42, 41, 40, 33};
 // opens.
 void prepareGlEnvironment();
 
+// Throws Error: the library does not open, or gives no context of any of kCoreVersions.
 std::unique_ptr<GlContext> createOsmesaContext(const GlLibraries& libraries);
 
 struct EglDevice {

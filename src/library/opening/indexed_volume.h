@@ -57,6 +57,7 @@ struct IndexedVolume {
   // For people, one line each: choices among several, and possible faults.
   std::vector<std::string> notes;
 
+  // The step that was opened, with its levels. Refers to this volume, which must outlive it.
   TimeStep step() const;
   // The most that a voxel of a level has: 2 if a level has spreads.
   int numbers() const;

@@ -148,6 +148,7 @@ class Desk {
   virtual uint64_t probe(double right, double down) = 0;
   virtual void wantReport(bool maps) = 0;
 
+  // What has come since the last call; of several pictures only the newest.
   virtual News take() = 0;
   virtual DeskStatus status() const = 0;
   virtual DeskTimes times() const = 0;

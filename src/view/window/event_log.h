@@ -17,6 +17,7 @@ class EventLog {
   explicit EventLog(const std::string& path);
 
   bool isOn() const { return file_.is_open(); }
+  // A line for an event, written at once. Nothing if the log is off.
   void write(const nlohmann::json& line);
   // Logs the place of ImGui's last item, or of a given rectangle.
   void control(const std::string& name);

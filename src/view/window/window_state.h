@@ -131,6 +131,7 @@ struct LoopClock {
   double showing_s = 0;                 // processor time to show a picture
   LoopTimes times;
 
+  // Asks for a frame at this time or earlier.
   void wakeBy(WindowClock::time_point then) {
     if (!wake_at || then < *wake_at) wake_at = then;
   }

@@ -37,6 +37,7 @@ struct WantedReads {
   int64_t blocks = 0;
   uint64_t voxel_bytes = 0;
 
+  // A block of so many bytes that is read so many times.
   void add(int64_t times, uint64_t block_bytes) {
     blocks += times;
     voxel_bytes += static_cast<uint64_t>(times) * block_bytes;

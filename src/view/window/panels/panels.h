@@ -46,8 +46,10 @@ void dragBoxHandle(WindowState& window, int face, float dx, float dy, float pixe
 // Draws the bars of the colours that the picture shows. Several channels have a row each.
 void drawColorBars(WindowState& window, const Area& area);
 
+// `pixels`: pixels a screen unit, here and above.
 void drawBoxHandles(WindowState& window, const Area& area, float pixels);
 
+// Windows above the picture; each draws nothing unless it is open.
 void helpWindow(WindowState& window);
 void openWindow(WindowState& window);
 void failuresWindow(WindowState& window);
