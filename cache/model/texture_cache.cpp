@@ -25,6 +25,7 @@ TextureCache::Answer TextureCache::request(ChunkId chunk, uint32_t pages, uint64
   Answer answer;
   answer.outcome = policy_->request(key, pages, evicted_keys_);
   if (answer.outcome == Outcome::kHit) {
+    // An id always means the same voxels, and so as many pages.
     SLUICE_CHECK_EQ(pages_of_[key].size(), size_t{pages});
     counters_.countHit();
     answer.pages = pages_of_[key];

@@ -98,6 +98,7 @@ void Policy::unlink(uint32_t index) {
 }
 
 void Policy::touch(uint32_t index) {
+  // The list's weight stays, since the node stays in it.
   Node& node = nodes_[index];
   const uint32_t list = node.list;
   nodes_[node.prev].next = node.next;

@@ -143,6 +143,7 @@ class Replay {
     c.loaded_bytes = row_.pages_loaded * trace_.page_bytes;
     c.resident = residents;
     c.current_bytes = used * trace_.page_bytes;
+    // Whatever was loaded and is not there has been evicted.
     c.evictions = c.loads - c.resident;
     c.evicted_bytes = c.loaded_bytes - c.current_bytes;
     c.peak_bytes = peak_used_ * trace_.page_bytes;
@@ -227,6 +228,7 @@ std::vector<SimulationRow> simulateTable(const PreparedTrace& trace,
     for (const PolicyKind policy : policies) {
       config.policy = policy;
       rows.push_back(simulate(trace, config, lru));
+      // LRU's misses follow from any row: its own less the conflict misses.
       lru = static_cast<uint64_t>(static_cast<int64_t>(rows.back().misses) - rows.back().conflict);
     }
   }

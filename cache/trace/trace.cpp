@@ -28,6 +28,7 @@ TraceRecord recordOfSize(uint64_t chunk, uint64_t bytes, uint64_t frame, uint64_
   record.chunk = chunk;
   record.frame = static_cast<uint32_t>(std::min<uint64_t>(frame, UINT32_MAX));
   const uint64_t pages = bytes / page_bytes + (bytes % page_bytes != 0 ? 1 : 0);
+  // A request of no bytes takes a page all the same.
   record.pages = static_cast<uint32_t>(std::clamp<uint64_t>(pages, 1, UINT32_MAX));
   record.bytes.moved = record.pages * page_bytes;
   record.bytes.needed = bytes;
@@ -38,6 +39,7 @@ bool takeRecord(std::string_view& text, RecordFields& fields) {
   const std::span<uint64_t> always(fields.data(), fields.size() - 1);
   if (!takeNumbers(text, always)) return false;
   fields.back() = 0;
+  // The level stands there only if it is not 0, see textOf().
   const bool has_level = text.size() > 1 && text[0] == ' ' && text[1] >= '0' && text[1] <= '9';
   return !has_level || (takeCharacter(text, ' ') && takeNumber(text, fields.back()));
 }

@@ -18,6 +18,7 @@ class DinReader final : public Reader {
       : Reader(std::move(in), std::move(label), page_bytes) {
     carries_clusters_ = false;
     Line line;
+    // An empty file is a trace without requests.
     if (!nextLine(line)) return;
     std::string_view rest = line.rest;
     if (rest.starts_with(kTextMagic)) {
@@ -36,6 +37,7 @@ class DinReader final : public Reader {
     if (std::exchange(is_first_, false)) {
       line = first_;
     } else if (!nextLine(line)) {
+      // Our traces end with their number of records, so that a cut is seen.
       if (carries_clusters_ && !is_complete_) failCut();
       if (!carries_clusters_) warnIfCut();
       return false;

@@ -77,6 +77,7 @@ bool checkGhosts(Team& team, const LentBoxes& boxes, const PartBoxes& part,
         name, part.there.lo.x, part.there.lo.y, part.there.lo.z, part.there.hi.x, part.there.hi.y,
         part.there.hi.z, needed.lo.x, needed.lo.y, needed.lo.z, needed.hi.x, needed.hi.y,
         needed.hi.z);
+  // One picture of all ranks is lit or is not: it takes the ghosts of all of them.
   const bool can = part.there.contains(boxes.voxelsFor(team.rank(), true));
   const std::vector<Message> all = team.gatherAll(Message(1, can ? std::byte{1} : std::byte{0}));
   return std::ranges::all_of(all, [](const Message& one) { return one[0] != std::byte{0}; });

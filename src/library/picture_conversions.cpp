@@ -184,6 +184,7 @@ void setLook(const LookOptions& look, LookArguments& arguments) {
   if (!look.label_looks.empty()) arguments.label_looks.clear();
   for (const LookOptions::Label& label : look.label_looks) {
     LabelLook own{label.first, label.last, label.color, label.opacity};
+    // As for channels below: valid is what a text can say.
     if (parseLabelLook(labelLookText(own)) != own)
       failRequest(
           "label_looks: {}: expected whole labels that ascend, a colour and an opacity from 0 to 1",
@@ -336,8 +337,10 @@ std::optional<CutOptions> askedCut(const PictureOptions& picture) {
     failRequest("pixel_error {}: must be above 0", picture.pixel_error);
   if (picture.level && *picture.level < 0)
     failRequest("level {}: levels are counted from 0", *picture.level);
+  // The finest level alone is no cut.
   if (picture.level == 0) return std::nullopt;
   CutOptions cut{.pixel_error = picture.pixel_error, .level = picture.level};
+  // setPipeline() drops a cut that nobody asked for where boxes draw the finest level alone.
   cut.is_default = !picture.level && picture.max_bytes == 0;
   cut.keeps_thin = picture.keep_thin;
   if (picture.max_bytes != 0) cut.most_stored_bytes = picture.max_bytes;

@@ -61,6 +61,7 @@ void open(OpenedVolume& opened, VolumeArguments arguments, const VolumeOptions& 
           const IndexWish& wish, ProgressTeller& teller, const Channels& channels) {
   const MachineOptions machine = machineOptions(options);
   opened.relay = std::make_shared<ProgressRelay>();
+  // By shared pointers: sources keep these functions long after this call.
   arguments.open.decode.watch = [relay = opened.relay](const std::string&) {
     return [relay](uint64_t done, uint64_t total) {
       relay->tell(Progress::Stage::kDecoding, done, total);
@@ -81,6 +82,7 @@ void open(OpenedVolume& opened, VolumeArguments arguments, const VolumeOptions& 
   std::vector<ChannelSource> sources = channels(arguments);
   for (ChannelSource& source : sources) {
     IndexNeeds own = needs;
+    // Means of labels say nothing; their most frequent ones do.
     if (looksLikeLabels(source)) own.values = LevelValues::kModes;
     IndexedVolume volume =
         indexVolume(std::move(source.source), source.arguments, machine, own, wish, pass);

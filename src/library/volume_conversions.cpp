@@ -25,6 +25,7 @@ WebOptions webOptions(const VolumeOptions::Web& web) {
   BucketAccess& buckets = options.buckets;
   buckets.endpoint = web.endpoint;
   if (!web.region.empty()) buckets.region = web.region;
+  // A key without its secret signs nothing: a bucket is then asked as the public may.
   if (!web.secret_key.empty()) buckets.access_key = web.access_key;
   buckets.secret_key = web.secret_key;
   buckets.session_token = web.session_token;
@@ -81,6 +82,7 @@ VolumeLayout volumeLayout(const ArrayLayout& array) {
   std::array<Vec3d, 3> steps;
   for (size_t a = 0; a < 3; ++a) {
     const Vec3d axis = vec(array.axes[a]);
+    // The negations refuse NaN, too.
     if (!(array.spacing[a] > 0) || !(length(axis) > 0))
       failRequest("{}: spacing {} along {}: must be above 0, and the axis must have a length",
                   layout.name, array.spacing[a], "xyz"[a]);

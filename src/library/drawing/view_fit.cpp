@@ -37,6 +37,7 @@ std::vector<Box3> shownCells(const IndexedVolume& volume, const StepValues& valu
 }
 
 Fit fitOf(const std::vector<Camera>& cameras, FitChoice choice) {
+  // A camera that is told where to look has nothing to be fitted.
   const bool looks_at = std::all_of(cameras.begin(), cameras.end(), [](const Camera& camera) {
     return camera.look_at.has_value();
   });

@@ -181,6 +181,7 @@ std::vector<double> familyExponents(const OpacityTable& a, std::span<const Opaci
       const std::vector<float> of_b = ExtinctionTable(b).entries();
       for (size_t i = 0; i < left.size(); ++i)
         if (of_b[i] > 0) least = std::min(least, left[i] / static_cast<double>(of_b[i]));
+      // The look itself needs no margin.
       const double k = least > 1e8 ? 0 : least == 1 ? 1 : std::max(least, 0.0) * kBetweenEntries;
       for (size_t i = 0; i < left.size(); ++i) left[i] -= k * static_cast<double>(of_b[i]);
       exponents.push_back(k);

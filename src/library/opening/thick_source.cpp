@@ -41,6 +41,7 @@ class ThickSource : public VolumeSource, public ChanneledSource {
   void readRegion(int64_t time, const Box3& box, std::span<std::byte> out) override {
     // Both planes are the one.
     const Vec3i dims = thin_->layout().dims;
+    // Both ends are brought to the one plane; the box keeps it, since its upper end is 1 or more.
     const Box3 stored{min(box.lo, dims - Vec3i{1, 1, 1}), min(box.hi, dims)};
     const size_t bytes = bytesPerVoxel(layout_.type);
     std::vector<std::byte> voxels(static_cast<size_t>(stored.count()) * bytes);
