@@ -110,6 +110,7 @@ std::optional<PanePoint> paneOf(const ViewOptions& view, Vec3d world, Pane pane,
 
 ViewOptions orbit(const ViewOptions& view, double dx, double dy, Pane pane) {
   const PlacedAxes axes = axesOf(view);
+  // The volume follows the pointer, so that the eye goes against it.
   const double across = -turnOf(dx, pane), down = -turnOf(dy, pane);
   const Vec3d tilted = rotated(axes.back, axes.right, down);
   const Vec3d up = rotated(axes.up, axes.right, down);

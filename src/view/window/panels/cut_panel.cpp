@@ -100,8 +100,8 @@ int boxHandleAt(const WindowState& window, const Area& area, float pixels, float
 void dragBoxHandle(WindowState& window, int face, float dx, float dy, float pixels) {
   PictureOptions::Box box = boxOf(window);
   const auto axis = static_cast<size_t>(face / 2);
-  // The movement of the pointer is measured along the axis as the pane shows it.
-  // How a voxel along the axis is seen.
+  // The movement of the pointer is measured along the axis as the pane shows it, by the place of a
+  // voxel and of the next one.
   std::array<double, 3> voxel = faceOf(box, face);
   const auto here =
       paneOf(window.state().view, worldOf(window, voxel), window.pane, window.volume.ground);
