@@ -173,7 +173,8 @@ class StoreFetch {
     Sha256 sha;
     for (const std::string& key : metadata)
       for (const std::string& text : {key, root_.store->stampOf(key), textOf(*root_.store, key)}) {
-        // With its length, so that two texts cannot be taken for others of the same letters.
+        // The length is added, too, so that two texts cannot be taken for others of the same
+        // letters.
         const uint64_t bytes = text.size();
         sha.add(std::as_bytes(std::span(&bytes, 1)));
         sha.add(std::as_bytes(std::span(text)));

@@ -340,7 +340,7 @@ std::span<const Format> formats() {
 }
 
 const Format& formatOf(const NamedInput& input, const OpenOptions& options) {
-  // By the content first: names are often wrong, and a file is read for what it holds.
+  // The content decides first: names are often wrong, and a file is read for what it holds.
   for (const Format& format : formats()) {
     if (format.holds(input, options)) return format;
   }

@@ -124,7 +124,7 @@ void S3FifoPolicy::evictFromSmall() {
     unlink(oldest);
     nodes_[oldest].mark = 0;
     pushHead(kMain, oldest);
-    // What moves up takes room from the main list, which may not outgrow its share.
+    // An entry that moves up takes room from the main list, which may not outgrow its share.
     if (isOverMainsShare(listWeight(kMain))) evictFromMain();
   }
 }

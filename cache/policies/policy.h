@@ -63,7 +63,7 @@ class Policy {
   // False when it was not resident.
   bool erase(Key key);
 
-  // Whether the key is resident. Ghosts that a policy remembers are not.
+  // True if the key is resident. Ghosts that a policy remembers are not.
   bool contains(Key key) const {
     return key + kHeads < nodes_.size() && nodes_[key + kHeads].resident;
   }

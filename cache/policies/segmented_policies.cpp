@@ -22,7 +22,7 @@ void SegmentedPolicy::onHit(uint32_t index) {
   if (nodes_[index].list != kProbation) return touch(index);
   unlink(index);
   pushHead(kProtected, index);
-  // What leaves the protected part gets another chance in probation.
+  // An entry that leaves the protected part gets another chance in probation.
   while (listWeight(kProtected) > protected_pages_) {
     const uint32_t oldest = tail(kProtected);
     unlink(oldest);

@@ -96,7 +96,7 @@ class PrefetchRun {
   void loadAhead(const Visit& visit) {
     for (size_t i = visit.begin; i < visit.end; ++i) {
       const Key key = trace_.keys[i];
-      // What does not fit beside the pinned chunks is not loaded ahead.
+      // A chunk that does not fit beside the pinned ones is not loaded ahead.
       if (cache_->contains(key) || request(key) != Outcome::kLoaded) continue;
       unused_[key] = true;
       result_.prefetched += trace_.weightOf(key);

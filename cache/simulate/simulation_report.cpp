@@ -123,7 +123,7 @@ SimulationReport makeReport(const PreparedTrace& trace, std::string title,
 
 std::vector<uint64_t> defaultSizes(const PreparedTrace& trace, uint64_t chosen_pages) {
   std::vector<uint64_t> sizes;
-  // From a cache that holds all down to one that holds the heaviest chunk alone.
+  // Sizes go from a cache that holds all down to one that holds the heaviest chunk alone.
   const uint64_t all = std::bit_ceil(std::max<uint64_t>(1, trace.distinct_pages));
   for (uint64_t pages = all; pages >= trace.heaviest && sizes.size() < kMostSizes; pages /= 2)
     sizes.push_back(pages);

@@ -57,7 +57,7 @@ uint64_t File::checksumOfSample(int pages) const {
   const Descriptor anew = descriptor_ ? Descriptor() : openForReading(path_);
   const int descriptor = descriptor_ ? descriptor_.get() : anew.get();
   const auto offsetOf = [&](uint64_t i) {
-    // From the first page to the last one, in equal steps.
+    // Sizes go from the first page to the last one in equal steps.
     return (sampled == 1 ? 0 : i * (in_file - 1) / (sampled - 1)) * kPageBytes;
   };
   // A disk fetches all of them at once.

@@ -68,7 +68,7 @@ class Hdf5File {
   virtual ~Hdf5File() = default;
   // The data sets of two axes or more, at most `most`, in the order of their names.
   virtual std::vector<Hdf5Entry> sets(size_t most) = 0;
-  // Whether there is a group or a data set of this name.
+  // True if there is a group or a data set of this name.
   virtual bool has(const std::string& path) = 0;
   // Throws Error: no data set, or of a kind that is not read.
   virtual std::unique_ptr<Hdf5Set> open(const std::string& path) = 0;

@@ -259,7 +259,7 @@ class SliceStack final : public VolumeSource,
       if (is_described_) format.order = std::move(order);
       return;
     }
-    // One that is none of the set: all are slices then, as they were given.
+    // If one of them is none of the set, all are slices, as they were given.
     for (const auto& file : files_)
       if (std::find(order.files.begin(), order.files.end(), file.filename()) == order.files.end())
         return;

@@ -199,7 +199,7 @@ VdbGridInfo chooseVdbGrid(const std::string& path, const std::vector<VdbGridInfo
     }
     fail("{}: no grid \"{}\"; it has {}", path, wanted, describe(grids));
   }
-  // Real numbers first: a mask or an index beside them is rarely what is meant.
+  // Real numbers come first: a mask or an index beside them is rarely what is meant.
   for (const auto accepts : {isReal, isScalar}) {
     for (const VdbGridInfo& grid : grids) {
       if (accepts(grid)) return grid;

@@ -270,7 +270,7 @@ class LegacyParser {
       is_of_data_ = true;
       count_ = whole(word.c_str());
       words_.line();
-      // Before the count is compared: volume() must not overflow.
+      // The layout is checked before the count is compared: volume() must not overflow.
       VolumeLayout layout = vtkLayout(image_, are_cells_, path_);
       checkedVolumeBytes(path_, layout);
       if (count_ != volume(layout.dims))

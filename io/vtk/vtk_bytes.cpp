@@ -170,7 +170,7 @@ class CompressedBlocks final : public ByteStore {
   uint64_t sizeIn(std::span<const std::byte> sizes, uint64_t i) const {
     uint64_t size = 0;
     std::memcpy(&size, sizes.data() + i * image_.header_bytes, image_.header_bytes);
-    // Before memory is taken for it: the size comes from the file.
+    // The size comes from the file, so that it is checked before memory is taken for it.
     checkStoredSize(codecOfBlocks(image_.codec), size, layout_.block_bytes, path_);
     return size;
   }

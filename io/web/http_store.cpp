@@ -157,7 +157,7 @@ bool HttpStore::fetch(const std::string& key, const PieceBytes& wanted, const Ro
     return *given;
   };
   std::string cached_stamp = cached ? cached->stamp() : "";
-  // What this process has seen once is not asked for again.
+  // A piece that this process has seen once is not asked for again.
   const bool is_checked = cached && known == cached_stamp;
   for (;;) {
     HttpFetch fetch(client_, name, url, wanted, once, known, cached_stamp);

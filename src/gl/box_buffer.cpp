@@ -40,7 +40,7 @@ std::array<double, 2> sliceSpan(const FrameSetup& setup, Vec3d lo, Vec3d hi) {
     const Vec3d p = cornerOf(lo, hi, corner);
     double k = 0;
     if (setup.projection == Projection::kPerspective) {
-      // In perspective w is the depth, and slices lie at equal depths.
+      // The depth is w in perspective, and slices lie at equal depths.
       k = (project(setup, p).w - setup.first_depth) / setup.depth_step;
     } else {
       // The slice planes are spanned by origin_dx and origin_dy.

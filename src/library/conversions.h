@@ -52,7 +52,7 @@ void requireStep(int64_t time, const VolumeLayout& layout);
 // The name as in VolumeInfo::frame.
 std::string frameName(WorldFrame frame);
 
-// For users: sizes in voxels, places in the layout's unit.
+// Tells users sizes in voxels and places in the layout's unit.
 VolumeInfo volumeInfo(const VolumeLayout& layout, ValueRange values,
                       const std::vector<std::string>& notes);
 

@@ -184,7 +184,7 @@ void setLook(const LookOptions& look, LookArguments& arguments) {
   if (!look.label_looks.empty()) arguments.label_looks.clear();
   for (const LookOptions::Label& label : look.label_looks) {
     LabelLook own{label.first, label.last, label.color, label.opacity};
-    // As for channels below: valid is what a text can say.
+    // A look is valid only if a text can say it, as for channels below.
     if (parseLabelLook(labelLookText(own)) != own)
       failRequest(
           "label_looks: {}: expected whole labels that ascend, a colour and an opacity from 0 to 1",

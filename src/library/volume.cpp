@@ -61,7 +61,7 @@ void open(OpenedVolume& opened, VolumeArguments arguments, const VolumeOptions& 
           const IndexWish& wish, ProgressTeller& teller, const Channels& channels) {
   const MachineOptions machine = machineOptions(options);
   opened.relay = std::make_shared<ProgressRelay>();
-  // By shared pointers: sources keep these functions long after this call.
+  // Shared pointers are captured: sources keep these functions long after this call.
   arguments.open.decode.watch = [relay = opened.relay](const std::string&) {
     return [relay](uint64_t done, uint64_t total) {
       relay->tell(Progress::Stage::kDecoding, done, total);

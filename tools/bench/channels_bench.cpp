@@ -65,7 +65,7 @@ json benchChannels(const BenchArguments& bench) {
   for (int i = -kWarmFrames; i < bench.frames; ++i) {
     FrameOptions options = bench.frame;
     options.camera.azimuth_deg += 360.0 * std::max(i, 0) / bench.frames;
-    // By turns, so that a busy machine slows down all of them alike.
+    // The ways take turns, so that a busy machine slows down all of them alike.
     for (ChannelsWay& way : ways) {
       measure(way, options);
       if (i >= 0) continue;

@@ -10,7 +10,7 @@
 namespace sluice {
 namespace {
 
-// Wang 2004, section III-B: a Gaussian of 11 x 11 pixels with a deviation of 1.5.
+// Wang 2004, section III-B, weights 11 x 11 pixels by a Gaussian with a deviation of 1.5.
 constexpr int kReach = 5;  // pixels to either side
 constexpr double kDeviation = 1.5;
 
@@ -57,7 +57,7 @@ double ssimOf(const Picture& a, const Picture& b, size_t channel) {
   const Plane aa = blurred([](double x, double) { return x * x; });
   const Plane bb = blurred([](double, double y) { return y * y; });
   const Plane ab = blurred([](double x, double y) { return x * y; });
-  // Wang 2004: K1 = 0.01 and K2 = 0.03 keep quotients of dark and of even parts finite.
+  // K1 = 0.01 and K2 = 0.03 of Wang 2004 keep quotients of dark and of even parts finite.
   constexpr double kOne = 0.01 * 0.01, kTwo = 0.03 * 0.03;  // of a range of 1
   double sum = 0;
   for (size_t i = 0; i < aa.values.size(); ++i) {
@@ -88,7 +88,7 @@ void compareDetail(const Picture& picture, const Picture& truth, PictureError& e
   for (size_t i = 0; i < expected.size(); ++i)
     if (truth.rgba[4 * i + 3] > 0) smooth.push_back(i);
   std::ranges::stable_sort(smooth, {}, [&](size_t i) { return expected[i]; });
-  // Smooth in the truth: on edges, detail is no fault.
+  // Parts are smooth if the truth is: detail on edges is no fault.
   smooth.resize((smooth.size() + 1) / 2);
   if (smooth.empty()) return;
   const auto rootMean = [&](const std::vector<double>& squares) {

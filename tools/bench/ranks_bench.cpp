@@ -33,7 +33,7 @@ json framesOf(const RanksBench& bench, Team* team) {
     scene.emplace(
         openScene(bench.volume, bench.look, bench.resources, bench.frame, Outputs(), team));
   };
-  // One rank first: the others find its index on the disk and need not make one each.
+  // One rank opens first: the others find its index on the disk and need not make one each.
   if (team == nullptr || team->isFirst()) open();
   if (team != nullptr) team->wait();
   if (!scene) open();
@@ -43,7 +43,7 @@ json framesOf(const RanksBench& bench, Team* team) {
   for (int i = 0; i < bench.frames + kWarmFrames; ++i) {
     options.camera.azimuth_deg = bench.frame.camera.azimuth_deg + 360.0 * i / bench.frames;
     scene->setOptions(options);
-    // A common start, or the slowest rank of the frame before would count here.
+    // All start together, or the slowest rank of the frame before would count here.
     if (team != nullptr) team->wait();
     const Stopwatch watch;
     Frame frame = scene->frame();

@@ -42,7 +42,7 @@ void sayJson(const nlohmann::json& report) {
 
 void printError(std::string line) {
   line = "sluice: " + withoutControls(line) + "\n";
-  // What was printed before stands before the error where both go to one place.
+  // Earlier output stands before the error where both go to one place.
   std::fflush(stdout);
   // Written in one call, so that lines of several processes do not mix.
   while (::write(STDERR_FILENO, line.data(), line.size()) < 0 && errno == EINTR) {

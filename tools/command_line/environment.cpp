@@ -75,7 +75,7 @@ BucketAccess bucketAccess() {
 }
 
 WebCertificates webCertificates() {
-  // As curl itself takes them: a bundle of its own before OpenSSL's variables.
+  // curl itself takes its own bundle before OpenSSL's variables, too.
   if (std::string bundle = textFrom("CURL_CA_BUNDLE"); !bundle.empty()) return {bundle, ""};
   return {textFrom("SSL_CERT_FILE"), textFrom("SSL_CERT_DIR")};
 }

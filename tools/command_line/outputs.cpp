@@ -98,7 +98,7 @@ bool liesIn(const fs::path& path, const struct stat& folder) {
   while (at.has_relative_path()) {
     at = at.parent_path();
     const auto here = statusOf(at);
-    // By inodes: bind mounts and links give one folder several names.
+    // Inodes are compared: bind mounts and links give one folder several names.
     if (here && sameInode(*here, folder)) return true;
   }
   return false;

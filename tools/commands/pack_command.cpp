@@ -132,7 +132,7 @@ int pack(const PackArguments& arguments) {
   Outputs outputs;
   outputs.reads(arguments.volume.inputs);
   outputs.writesFolder("-o", arguments.output);
-  // Before anything is opened: an output that holds an input is found by its name alone.
+  // This comes before anything is opened: an output that holds an input is found by its name alone.
   outputs.checkNames();
   const auto sources = openEachChannel(arguments.volume);
   std::vector<VolumeSource*> channels;
@@ -225,7 +225,7 @@ int check(const PackArguments& arguments) {
                               {"faults", report.faults}};
     sayJson(json);
   }
-  // After the report, so that --json lists all of them; the exit status tells as well.
+  // The report comes first, so that --json lists all of them; the exit status tells as well.
   if (!report.faults.empty())
     fail("{} of {} chunks are not as packed: {}", report.faults.size(), report.chunks,
          report.faults.front());

@@ -21,7 +21,7 @@ struct NamedVolume {
   // The name that the collection gives it; sluice reads sizes and type from it.
   std::string file() const;
   std::string address() const;
-  // Of the whole file, by its sizes and type.
+  // The size of the whole file, which follows from dims and type.
   uint64_t bytes() const;
   // The licence, or what takes its place, in a line.
   std::string terms() const;

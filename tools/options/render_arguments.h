@@ -50,7 +50,7 @@ inline int64_t timeOf(const RenderArguments& arguments, int64_t frame) {
   return arguments.times ? arguments.times->at(frame) : arguments.volume.time;
 }
 
-// Whether frames go through tools/scene/series.h, which reads ahead and culls.
+// True if frames go through tools/scene/series.h, which reads ahead and culls.
 inline bool isSeries(const RenderArguments& arguments) {
   return arguments.times || arguments.culling.culling != Culling::kNone;
 }

@@ -114,7 +114,7 @@ int writeFilm(const RenderArguments& arguments, const CLI::App& app, const Saved
     for (const std::string& line : idleOptions({"--rate"}, facts)) printWarning(line);
   }
   const std::vector<int64_t> frames = missingFrames(arguments, count);
-  // Once before the volume is opened, and again with the files that it turns out to have.
+  // Outputs are checked once more with the files that the volume turns out to have.
   checkOutputs(arguments, film, frames, {});
   const bool is_quiet = arguments.resources.quiet;
   if (frames.empty()) {

@@ -144,7 +144,7 @@ void FilmFile::send(std::span<const std::byte> bytes) {
   while (!bytes.empty()) {
     stop_.throwIfStopped();
     pollfd waiting{to_.get(), POLLOUT, 0};
-    // Short waits, so that an interruption is noticed while ffmpeg is slow.
+    // Waits are short, so that an interruption is noticed while ffmpeg is slow.
     if (poll(&waiting, 1, kStepMs) <= 0) continue;
     const ssize_t sent = ::send(to_.get(), bytes.data(), bytes.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
     if (sent < 0 && (errno == EINTR || errno == EAGAIN)) continue;

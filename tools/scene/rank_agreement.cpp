@@ -14,7 +14,7 @@
 namespace sluice {
 namespace {
 
-// Options that may differ: names of files on each host, and what a host has of its own.
+// Options may differ that name files of a host or what a host has of its own.
 constexpr std::array<std::string_view, 16> kOwn = {
     "volume", "transfer", "path",      "state", "basis", "memory", "threads", "device",
     "simd",   "gl",       "index-dir", "quiet", "force", "pages",  "cache",   "cache-dir"};

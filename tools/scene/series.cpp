@@ -149,9 +149,9 @@ CullingChoice Series::measure(std::span<const int64_t> times) {
     return choice;
   }
   double none = std::numeric_limits<double>::infinity(), culled = none;
-  // A warm-up, which does not count.
+  // The first picture warms up and does not count.
   secondsOf(times[0], true);
-  // By turns and the least of two, so that neither way has the quieter moments.
+  // The ways take turns, and the least of two counts, so that neither has the quieter moments.
   for (const size_t i : {1, 3}) {
     none = std::min(none, secondsOf(times[i], false));
     culled = std::min(culled, secondsOf(times[i + 1], true));

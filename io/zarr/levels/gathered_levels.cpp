@@ -37,7 +37,7 @@ ModeCount<T> modeOf(std::vector<T>& values) {
   for (size_t i = 0; i < values.size();) {
     size_t end = i;
     while (end < values.size() && values[end] == values[i]) ++end;
-    // Of values that are equally often, the smallest wins, so that results do not hang on the
+    // The smallest of values that are equally often wins, so that results do not hang on the
     // order.
     if (end - i > most) {
       most = end - i;

@@ -34,7 +34,7 @@ void setType(const JsonField& field, ZarrArray& array) {
 }
 
 void setCodec(const JsonField& field, ZarrArray& array) {
-  // null: chunks are not compressed.
+  // Chunks are not compressed if it is null.
   if (field.isNull()) return;
   const JsonField id = field.require("id");
   const std::string& name = id.text();
@@ -64,7 +64,7 @@ ZarrArray parseZarrArray2(const JsonField& root, const nlohmann::json& document,
                           const std::string& path) {
   ZarrArray array;
   array.shape = zarrExtents(root.require("shape"));
-  // Without shards, a file is a chunk.
+  // A file is a chunk if there are no shards.
   array.chunks = array.files = zarrExtents(root.require("chunks"), array);
   setType(root.require("dtype"), array);
   requireZarrSizes(root.require("shape"), root.require("chunks"), array);
@@ -78,7 +78,7 @@ ZarrArray parseZarrArray2(const JsonField& root, const nlohmann::json& document,
   if (const auto filters = root.find("filters"); filters && !filters->isNull()) {
     if (filters->size() > 0) filters->failExpected("null or no filters, as none are read");
   }
-  // '.' if missing, as arrays have it that were written before the member existed.
+  // Arrays that were written before the member existed have '.'.
   if (const auto separator = root.find("dimension_separator"); separator) {
     if (separator->text() != "." && separator->text() != "/") separator->failExpected("'.' or '/'");
     array.separator = separator->text()[0];

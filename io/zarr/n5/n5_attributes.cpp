@@ -102,7 +102,7 @@ std::vector<ZarrAxis> namedAxes(const N5Place& place, size_t axes, const std::st
   std::vector<ZarrAxis> named;
   if (!place.axes.empty() && place.axes.size() != axes)
     fail("{}: expected {} axes, as the data set has, found {}", path, axes, place.axes.size());
-  // Which of more axes are channels or time cannot be told without names.
+  // Names alone tell which of more axes are channels or time.
   if (place.axes.empty() && (place.units.empty() || axes != 3)) return named;
   for (size_t a = 0; a < axes; ++a) {
     ZarrAxis& axis = named.emplace_back();

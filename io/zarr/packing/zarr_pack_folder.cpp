@@ -100,7 +100,7 @@ ZarrPackFolder::ZarrPackFolder(const fs::path& output, std::vector<PackedArray> 
     offsets_.resize(chunks_.size());
     ends_.resize(static_cast<size_t>(first_files_.back()));
   }
-  // In this order: only who holds the lock may look at what is there.
+  // The order matters: only who holds the lock may look at what is there.
   lock();
   checkParameters(source_identity, parameters, others);
   for (const PackedArray& packed : arrays_) makeFolders(store_ / packed.folder);

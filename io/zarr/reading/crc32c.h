@@ -8,7 +8,7 @@
 
 namespace sluice {
 
-// Of any number of bytes; 0 for none.
+// Takes any number of bytes; none give 0.
 uint32_t crc32c(std::span<const std::byte> bytes);
 
 }  // namespace sluice

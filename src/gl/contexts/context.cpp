@@ -152,7 +152,7 @@ void GlContext::describe(const GlLoader& loader) {
   for (int i = 0; i < count; ++i)
     extensions_.emplace_back(reinterpret_cast<const char*>(
         functions_.GetStringi(GL_EXTENSIONS, static_cast<GLuint>(i))));
-  // For has().
+  // has() asks for it.
   std::ranges::sort(extensions_);
 }
 

@@ -227,7 +227,8 @@ void setView(const FrameSetup& setup, PictureRows rows, GlProgram& program) {
   if (setup.depth_cueing > 0) setCueing(setup, program);
   Floats planes;
   for (const ClipPlane& plane : setup.clip_planes)
-    // From the rays' common origin, since positions far from it lose digits in single precision.
+    // Positions count from the rays' common origin: far from it they lose digits in single
+    // precision.
     planes.add(plane.normal).add(plane.offset - dot(plane.normal, rays.origin0));
   if (!setup.clip_planes.empty())
     program.set4("clip_planes", planes.data(), static_cast<int>(setup.clip_planes.size()));

@@ -19,7 +19,7 @@ void Drawing::refuseInSitu(const char* call) const {
 std::vector<Vec3d> Drawing::pointsOfRanks(const std::vector<Vec3d>& own) const {
   ByteWriter mine;
   mine.list(own);
-  // In the order of the ranks, so each has the same list and frames the same picture.
+  // The order is that of the ranks, so that each has the same list and frames the same picture.
   std::vector<Vec3d> all, more;
   for (const Message& message : opened_->in_situ->team().gatherAll(mine.bytes)) {
     ByteReader from(message);

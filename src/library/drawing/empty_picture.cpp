@@ -73,7 +73,7 @@ std::string whyEmpty(const DrawnPicture& drawn, const IndexPass& pass) {
     return fmt::format("the crop box lies outside of the volume's {} x {} x {} voxels", dims.x,
                        dims.y, dims.z);
   if (hasNoOpacity(drawn.transfer)) return "the transfer function has opacity 0 everywhere";
-  // From here on the values of the step are needed, which may be read from its index.
+  // The values of the step are needed from here on; they may be read from its index.
   const StepValues values = valuesOfStep(drawn.volume, drawn.time, pass);
   if (!values.index->ranges.mayHoldNumbers()) return "no voxel is a finite number";
   const auto cellsIn = [&](const Box3& box) {

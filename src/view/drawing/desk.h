@@ -148,7 +148,7 @@ class Desk {
   virtual uint64_t probe(double right, double down) = 0;
   virtual void wantReport(bool maps) = 0;
 
-  // What has come since the last call; of several pictures only the newest.
+  // Returns the news since the last call; of several pictures only the newest is among them.
   virtual News take() = 0;
   virtual DeskStatus status() const = 0;
   virtual DeskTimes times() const = 0;

@@ -120,7 +120,7 @@ void Canvas::resize(int width, int height) {
 }
 
 Canvas::Backdrop& Canvas::renewBackdrop() {
-  // Where the old backdrop was has to be drawn again, too.
+  // The place of the old backdrop has to be drawn again, too.
   backdrop_was_ = hull(backdrop_was_, areaOf(backdrop_));
   backdrop_is_new_ = true;
   return backdrop_;

@@ -54,7 +54,8 @@ void showPlayedFrame(WindowState& window) {
   if (!film.is_playing) return;
   const auto now = WindowClock::now();
   const double seconds = std::chrono::duration<double>(now - film.began).count();
-  // By the clock, so that frames which take too long are left out and the film keeps its speed.
+  // The clock decides, so that frames which take too long are left out and the film keeps its
+  // speed.
   const auto frame = static_cast<int64_t>(std::floor(seconds * film.path.frames_per_second));
   if (frame >= frameCount(film.path)) {
     window.log.write({{"film", "ended"}});

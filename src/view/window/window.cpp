@@ -89,8 +89,8 @@ class Window {
     request.tell_news([] { glfwPostEmptyEvent(); });
   }
   ~Window() {
-    // In this order: no news may wake a window that is gone, and the desk ends before the context
-    // that was lent to it.
+    // The order matters: no news may wake a window that is gone, and the desk ends before the
+    // context that was lent to it.
     request_.tell_news(nullptr);
     request_.end_desk();
     if (state_->log.isOn()) glDisable(GL_DEBUG_OUTPUT);  // it would report to the window

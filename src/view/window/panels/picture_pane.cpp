@@ -84,7 +84,7 @@ void hover(WindowState& window, const Area& area) {
 }  // namespace
 
 void picturePane(WindowState& window, const Area& area, float pixels) {
-  // In pixels, which are smaller than screen units on dense screens.
+  // Pixels are counted, which are smaller than screen units on dense screens.
   window.pane = {std::max(1, static_cast<int>(std::lround(area.width * pixels))),
                  std::max(1, static_cast<int>(std::lround(area.height * pixels)))};
   ImGui::SetNextWindowPos({area.x, area.y});
