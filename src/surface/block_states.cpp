@@ -144,7 +144,9 @@ BlockStates blockStates(const SliceRanges& finest, const InsideSet& inside, cons
   BlockStates states{level, RangeState::kOutside, {}};
   const FinestSpans spans(finest);
   for (int64_t id = 0; id < level.blockCount(); ++id) {
-    RangeState state = RangeState::kMixed;
+    // No value of the type may reach the threshold. Then no block is mixed, which the conversion of
+    // the threshold to the type relies on.
+    RangeState state = inside.empty() ? RangeState::kOutside : RangeState::kMixed;
     // Means, extremes and modes lie between the finest voxels. Nothing is known of other levels.
     if (values != LevelValues::kUnknown && finest.unknown.empty()) {
       const Box3 cells = level.ownedCells(level.indexOf(id));

@@ -17,6 +17,7 @@ struct InsideSet {
   double lo = 0, hi = 0;
   double level = 0;  // the device value of the threshold itself
 
+  bool empty() const { return lo > hi; }
   bool contains(double device) const { return device >= lo && device <= hi; }
 };
 

@@ -106,6 +106,11 @@ TEST(BlockStates, ofACoarserLevelMissNoBlock) {
   const BlockStates unknown =
       blockStates(rangesOf(*finest, 8), inside, nullptr, blocks, placement, LevelValues::kUnknown);
   EXPECT_EQ(static_cast<int64_t>(unknown.blocks.size()), blocks.blockCount());
+  // No value of 8 bits reaches 300.
+  const InsideSet none = insideSet({DeviceType::kU8, 1, 0}, 300);
+  EXPECT_TRUE(
+      blockStates(rangesOf(*finest, 8), none, nullptr, blocks, placement, LevelValues::kUnknown)
+          .blocks.empty());
 }
 
 }  // namespace
