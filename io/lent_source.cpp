@@ -13,8 +13,6 @@
 namespace sluice {
 namespace {
 
-constexpr int64_t kMostVoxels = int64_t{1} << 59;
-
 class LentSource final : public VolumeSource {
  public:
   LentSource(FillRegion fill, VolumeLayout layout)
@@ -93,7 +91,7 @@ std::unique_ptr<VolumeSource> lentBoxSource(FillRegion fill, VolumeLayout layout
 VolumeLayout lentLayout(VolumeLayout layout, const std::array<Vec3d, 3>& steps, Vec3d origin) {
   int64_t voxels = 1;
   for (const int64_t extent : {layout.dims.x, layout.dims.y, layout.dims.z, layout.time_steps})
-    if (extent < 1 || __builtin_mul_overflow(voxels, extent, &voxels) || voxels > kMostVoxels)
+    if (extent < 1 || __builtin_mul_overflow(voxels, extent, &voxels) || voxels > kMostVolumeVoxels)
       failRequest(
           "{}: expected dims and time steps of at least 1, and at most 2^59 voxels, found {} x {} "
           "x {} in {} steps",

@@ -1,6 +1,8 @@
 #include "io/named_input.h"
 
+#include <algorithm>
 #include <array>
+#include <cctype>
 
 #include "io/files/file.h"
 #include "io/hdf5/hdf5_input.h"
@@ -14,6 +16,25 @@ namespace sluice {
 
 namespace fs = std::filesystem;
 
+namespace {
+
+// gs://..., file:///..., HTTP://...: fails, unless a file has this name.
+void refuseOtherScheme(const std::string& name) {
+  const size_t end = name.find("://");
+  if (end == 0 || end == name.npos) return;
+  const auto may_be_scheme = [](unsigned char c) {
+    return std::isalnum(c) || c == '+' || c == '-';
+  };
+  if (!std::all_of(name.begin(), name.begin() + static_cast<std::ptrdiff_t>(end), may_be_scheme))
+    return;
+  std::error_code none;
+  if (fs::exists(name.substr(0, end + 1), none)) return;
+  fail("{}: expected an address that begins with http://, https:// or s3://, found {}", name,
+       name.substr(0, end + 3));
+}
+
+}  // namespace
+
 NamedInput lookAt(const std::string& name, const OpenOptions& options) {
   NamedInput input;
   input.name = name;
@@ -22,6 +43,7 @@ NamedInput lookAt(const std::string& name, const OpenOptions& options) {
     input.store = webPlace(name, options.web, options.stop);
     return input;
   }
+  refuseOtherScheme(name);
   input.file = name;
   std::error_code missing;
   // A file may have ":/" in its own name.

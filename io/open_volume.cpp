@@ -36,6 +36,16 @@ std::unique_ptr<VolumeSource> openSeveral(const std::vector<std::string>& files,
       files, [options](const std::string& file) { return openOne(file, options); });
 }
 
+// Sparse files may describe a volume of any size. Its voxels are counted in many places.
+std::unique_ptr<VolumeSource> countable(std::unique_ptr<VolumeSource> source,
+                                        const std::string& file) {
+  const Vec3i dims = source->layout().dims;
+  if (!isCountable(dims))
+    fail("{}: expected at most 2^59 voxels together, found {} x {} x {}", file, dims.x, dims.y,
+         dims.z);
+  return source;
+}
+
 }  // namespace
 
 std::unique_ptr<VolumeSource> openVolume(const std::string& input, const OpenOptions& options) {
@@ -55,9 +65,9 @@ std::unique_ptr<VolumeSource> openVolume(const std::vector<std::string>& inputs,
     requireOneSeries(input, matches);
     for (const std::filesystem::path& file : matches) files.push_back(file.string());
   }
-  if (files.size() == 1) return openOne(files[0], options);
+  if (files.size() == 1) return countable(openOne(files[0], options), files[0]);
   const std::optional<std::string> note = orderByNumbers(files);
-  return withNote(openSeveral(files, options), note);
+  return withNote(countable(openSeveral(files, options), files[0]), note);
 }
 
 namespace {

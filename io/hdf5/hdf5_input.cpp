@@ -12,6 +12,7 @@
 #include "io/hdf5/hdf5_filters.h"
 #include "src/base/error.h"
 #include "src/base/files/program_module.h"
+#include "src/base/sources/volume_source.h"
 
 namespace sluice {
 namespace {
@@ -191,16 +192,15 @@ ZarrArray hdf5ArrayOf(const Hdf5Description& description, const std::string& nam
   array.type = description.type;
   array.byte_order = description.byte_order;
   array.fill_value = description.fill_value;
-  constexpr int64_t kMostVoxels = int64_t{1} << 59;
   int64_t voxels = 1, chunk = 1;
   for (size_t a = 0; a < array.axes(); ++a) {
     if (array.shape[a] < 1) fail("{}: expected one voxel or more, found none", name);
     // Sizes come from the file: their products are checked before anything is allocated.
     if (array.chunks[a] < 1 || __builtin_mul_overflow(voxels, array.shape[a], &voxels) ||
-        voxels > kMostVoxels || __builtin_mul_overflow(chunk, array.chunks[a], &chunk) ||
+        voxels > kMostVolumeVoxels || __builtin_mul_overflow(chunk, array.chunks[a], &chunk) ||
         static_cast<uint64_t>(chunk) > kMostChunkBytes / bytesPerVoxel(array.type))
       fail("{}: expected at most {} voxels in chunks of at most {} bytes, found more", name,
-           kMostVoxels, kMostChunkBytes);
+           kMostVolumeVoxels, kMostChunkBytes);
   }
   return array;
 }

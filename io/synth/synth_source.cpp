@@ -92,12 +92,8 @@ bool setField(SynthOptions& options, std::string_view field, std::string_view va
 
 void validate(const SynthOptions& options) {
   const std::string spec = specOf(options);
-  constexpr int64_t kMostVoxels = int64_t{1} << 60;
-  const Vec3i d = options.dims;
-  // Divisions come before products, of which neither may overflow. With 4 bytes a voxel, 2^62
-  // remain.
-  if (d.x < 1 || d.y < 1 || d.z < 1 || d.x > kMostVoxels / d.y || d.x * d.y > kMostVoxels / d.z)
-    fail("{}: expected dims of at least 1 and at most 2^60 voxels together", spec);
+  if (!isCountable(options.dims))
+    fail("{}: expected dims of at least 1 and at most 2^59 voxels together", spec);
   for (int a = 0; a < 3; ++a)
     if (!(options.spacing[a] > 0 && std::isfinite(options.spacing[a])))
       fail("{}: expected a spacing above 0", spec);

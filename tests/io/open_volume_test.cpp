@@ -36,6 +36,21 @@ TEST(OpenVolume, knowsAFileByItsFirstBytesWhateverItsName) {
   EXPECT_EQ(valueAt<uint8_t>(*openVolume((folder / "d").string()), {1, 0, 0}), '2');
 }
 
+TEST(OpenVolume, refusesMoreVoxelsThanCanBeCounted) {
+  const TempFolder folder;
+  constexpr int32_t kFar = (1 << 22) - 1;
+  writePoints(folder / "sparse.vdb", {{{0, 0, 0}, 1.0F}, {{kFar, kFar, kFar}, 2.0F}});
+  EXPECT_THAT(errorOf([&] { openVolume((folder / "sparse.vdb").string()); }),
+              AllOf(HasSubstr("sparse.vdb"), HasSubstr("2^59"),
+                    HasSubstr("found 4194306 x 4194306 x 4194306")));
+}
+
+TEST(OpenVolume, namesTheSchemesOfAddresses) {
+  for (const std::string name : {"gs://bucket/a.zarr", "HTTP://host/a.zarr", "file:///a.nrrd"})
+    EXPECT_THAT(errorOf([&] { openVolume(name); }),
+                AllOf(HasSubstr(name), HasSubstr("http://, https:// or s3://")));
+}
+
 // A folder, an empty file and files of other kinds by the name of each format.
 TEST(OpenVolume, refusesWhatItsNameDoesNotHold) {
   const TempFolder folder;

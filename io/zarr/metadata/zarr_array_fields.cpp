@@ -8,11 +8,10 @@
 #include <type_traits>
 
 #include "src/base/error.h"
+#include "src/base/sources/volume_source.h"
 
 namespace sluice {
 namespace {
-
-constexpr int64_t kMostVoxels = int64_t{1} << 59;  // times 8 bytes: 2^62
 
 // nullopt when the product is beyond `most`.
 std::optional<int64_t> product(const std::vector<int64_t>& factors, int64_t most) {
@@ -67,8 +66,7 @@ std::vector<int64_t> zarrExtents(const JsonField& field, const ZarrArray& array)
 }
 
 void requireZarrSizes(const JsonField& shape, const JsonField& chunks, const ZarrArray& array) {
-  // All later products of extents are safe by this.
-  if (!product(array.shape, kMostVoxels)) shape.failExpected("at most 2^59 voxels");
+  if (!product(array.shape, kMostVolumeVoxels)) shape.failExpected("at most 2^59 voxels");
   const auto most = static_cast<int64_t>(kMostChunkBytes / bytesPerVoxel(array.type));
   if (!product(array.chunks, most))
     chunks.failExpected(fmt::format("at most {} voxels a chunk", most));

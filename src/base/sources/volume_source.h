@@ -39,6 +39,14 @@ enum class WorldFrame {
   kYUp,          // computer graphics: OpenVDB
 };
 
+// The most voxels of a volume: sums over them, of 8 bytes each, stay within 64 bits.
+inline constexpr int64_t kMostVolumeVoxels = int64_t{1} << 59;
+// Whether a volume may have this size: a voxel or more along each axis, and no more in all.
+constexpr bool isCountable(Vec3i dims) {
+  return dims.x >= 1 && dims.y >= 1 && dims.z >= 1 && dims.x <= kMostVolumeVoxels / dims.y &&
+         dims.x * dims.y <= kMostVolumeVoxels / dims.z;
+}
+
 // Position and meaning of the voxels.
 struct VolumeLayout {
   Vec3i dims;                       // voxels, each >= 1
