@@ -4,11 +4,16 @@
 
 #include <algorithm>
 #include <atomic>
+#include <functional>
 #include <future>
+#include <memory>
+#include <new>
 #include <numeric>
 #include <set>
 #include <stdexcept>
 #include <system_error>
+
+#include "tests/support/failing_memory.h"
 
 namespace sluice {
 namespace {
@@ -226,6 +231,30 @@ TEST(WorkerPool, withoutAnyThreadTasksRunWhereTheyAreSubmitted) {
   std::atomic<int> ran{0};
   pool.submit([&] { pool.parallelFor(25, [&](int64_t) { ++ran; }); });
   EXPECT_EQ(ran, 25);
+}
+
+// Helpers in the queue refer to the loop's function: it has to live until they have ended.
+TEST(WorkerPool, aLoopThatFindsNoMemoryForHelpersGoesOnWithoutThem) {
+  WorkerPool pool(4);
+  int64_t loops = 0;
+  forEachAllocation([&](int64_t n) {
+    std::atomic<int> ran{0};
+    const auto body = std::make_unique<std::function<void(int64_t)>>([&](int64_t) { ++ran; });
+    bool failed = false, threw = false;
+    {
+      const FailingMemory memory(n);
+      try {
+        pool.parallelFor(100, *body);
+      } catch (const std::bad_alloc&) {
+        threw = true;
+      }
+      failed = memory.failed();
+    }
+    EXPECT_EQ(ran, threw ? 0 : 100) << n;
+    if (!threw) ++loops;
+    return failed;
+  });
+  EXPECT_GT(loops, 1) << "else no helper lacked memory";
 }
 
 TEST(WorkerPool, aThreadThatFindsNoMemoryIsOneLess) {

@@ -2,10 +2,12 @@
 // differ by no more than the opacity threshold allows.
 #include <gtest/gtest.h>
 
+#include <new>
 #include <random>
 
 #include "tests/render/blob_scene.h"
 #include "tests/render/culling_scene.h"
+#include "tests/support/failing_memory.h"
 #include "tests/support/plain_device.h"
 
 namespace sluice {
@@ -135,6 +137,61 @@ TEST(Culling, stepsOfASeriesAreTheSameWithTheTreeAndWithout) {
       EXPECT_LT(checked, all * 9 / 10);
     }
   }
+}
+
+// The numbers of the blocks that an answer has.
+std::vector<int64_t> numbersOf(const VisibleBlocksPtr& answer) {
+  std::vector<int64_t> numbers;
+  for (const ObjectBlock& block : answer->blocks) numbers.push_back(block.name.block);
+  return numbers;
+}
+
+TEST(Culling, aStepThatFoundNoMemoryIsEstimatedAgain) {
+  const auto source = rocks(5, {50, 45, 61}, 2);
+  const FrameOptions options = obliqueView(Projection::kOrtho);
+  CullingScene first(*source, looks(0), 8), second(*source, looks(0), 8, 1);
+  const TestSeries series = makeTestSeries(*source, first.ranges->layout, first.look->table, {});
+  WorkerPool alone(1);  // all allocations are this thread's
+  const auto blocksOf = [&] { return CulledBlocks(series.opacity, source->layout(), {}, alone); };
+  CulledBlocks untroubled = blocksOf();
+  const BlockQuestion question = second.question(options);
+  const std::vector<int64_t> expected = numbersOf(untroubled.choose(question));
+  forEachAllocation([&](int64_t n) {
+    CulledBlocks culled = blocksOf();
+    culled.choose(first.question(options));
+    bool failed = false;
+    {
+      const FailingMemory memory(n);
+      try {
+        culled.choose(question);
+      } catch (const std::bad_alloc&) {
+      }
+      failed = memory.failed();
+    }
+    EXPECT_EQ(numbersOf(culled.choose(question)), expected) << n;
+    return failed;
+  });
+}
+
+TEST(Culling, aViewWhoseQuestionFailedIsForgotten) {
+  const auto source = rocks(5);
+  CullingScene scene(*source, looks(0), 8);
+  const TestSeries series = makeTestSeries(*source, scene.ranges->layout, scene.look->table, {});
+  FrameOptions front = obliqueView(Projection::kOrtho), back = front;
+  back.camera.azimuth_deg += 180;
+  bool fails = false;
+  CullingOptions options;
+  options.exchange = [&](int64_t, std::vector<bool>&) {
+    if (fails) throw Error("another rank is gone");
+  };
+  CulledBlocks culled(series.opacity, source->layout(), options, scene.pool);
+  const std::vector<int64_t> expected = numbersOf(culled.choose(scene.question(front)));
+  fails = true;
+  EXPECT_THROW(culled.choose(scene.question(back)), Error);
+  fails = false;
+  // The same view with other blocks than before, since their look is made anew.
+  CullingScene again(*source, looks(0), 8);
+  EXPECT_EQ(numbersOf(culled.choose(again.question(front))), expected);
 }
 
 TEST(Culling, pictureDiffersByWhatOpaqueLeaves) {

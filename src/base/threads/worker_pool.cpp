@@ -4,6 +4,7 @@
 #include <atomic>
 #include <exception>
 #include <memory>
+#include <new>
 #include <utility>
 
 namespace sluice {
@@ -92,7 +93,11 @@ void WorkerPool::parallelFor(int64_t count, const std::function<void(int64_t)>& 
   const int64_t helpers = std::min<int64_t>(threads_ - 1, count - 1);
   // The queue may start helpers late or never: the caller takes indices itself, so that a loop
   // within a loop ends even if all workers are busy.
-  for (int64_t i = 0; i < helpers; ++i) submit([loop] { loop->run(); });
+  try {
+    for (int64_t i = 0; i < helpers; ++i) submit([loop] { loop->run(); });
+  } catch (const std::bad_alloc&) {
+    // Helpers that are in the queue already refer to `body`, so the loop goes on with these.
+  }
   loop->run();
   loop->wait();
 }

@@ -62,6 +62,7 @@ VisibleBlocksPtr CulledBlocks::choose(const BlockQuestion& question) {
   Stopwatch watch;
   // The estimate belongs to the view. Of the step before, it keeps what did not change (Gao 2004).
   if (!same_view || !estimate_) {
+    asked_.reset();  // if this question throws, the estimate is not of the view asked for last
     EstimateOptions estimate{
         options_.form, options_.opacity_threshold, {question.crop}, {}, options_.exponent};
     estimate.tile_stride = options_.tile_stride;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <exception>
+#include <new>
 #include <utility>
 
 #include "src/base/threads/mutex.h"
@@ -81,9 +82,14 @@ void BoxesAhead::begin(const IsHidden& is_hidden) {
     if (portion->blocks.empty()) continue;
     portion->end = next_;
     begun_.push_back(portion);
-    pool_.submit([portion, boxes = boxes_, may_build = may_build_, purpose = purpose_] {
-      portion->choose(*boxes, may_build, purpose);
-    });
+    try {
+      pool_.submit([portion, boxes = boxes_, may_build = may_build_, purpose = purpose_] {
+        portion->choose(*boxes, may_build, purpose);
+      });
+    } catch (const std::bad_alloc&) {
+      begun_.pop_back();  // nobody would end it, and the destructor waits for all
+      throw;
+    }
   }
 }
 

@@ -362,6 +362,15 @@ uint64_t VisibilityEstimate::mostBytes(const SeriesOpacity& series, PictureSize 
 
 void VisibilityEstimate::setStep(int64_t step, WorkerPool& pool, bool from_scratch) {
   SLUICE_CHECK(step >= 0 && step < series_->steps);
+  try {
+    estimateStep(step, pool, from_scratch);
+  } catch (...) {
+    step_ = -1;  // some blocks and tiles are not of this step: the next call looks at all of them
+    throw;
+  }
+}
+
+void VisibilityEstimate::estimateStep(int64_t step, WorkerPool& pool, bool from_scratch) {
   std::vector<Task> tasks = step_ < 0 || from_scratch ? allTiles(step) : affectedTiles(step, pool);
   step_ = step;
   // The answers of these tiles are taken back, and counted anew when they have been looked at.
@@ -373,8 +382,13 @@ void VisibilityEstimate::setStep(int64_t step, WorkerPool& pool, bool from_scrat
     }
   };
   count(-1);
-  pool.parallelFor(static_cast<int64_t>(tasks.size()),
-                   [&](int64_t i) { estimateTile(tasks[static_cast<size_t>(i)]); });
+  try {
+    pool.parallelFor(static_cast<int64_t>(tasks.size()),
+                     [&](int64_t i) { estimateTile(tasks[static_cast<size_t>(i)]); });
+  } catch (...) {
+    count(1);
+    throw;
+  }
   count(1);
   pixels_checked_ = 0;
   for (const Task& task : tasks) {

@@ -82,7 +82,7 @@ class VisibilityEstimate {
                             int threads);
 
   // Brings the answer to a step. `from_scratch`: looks at all tiles, as without coherence.
-  // Requires: 0 <= step < the series' steps.
+  // Requires: 0 <= step < the series' steps. After an exception the next call starts from scratch.
   void setStep(int64_t step, WorkerPool& pool, bool from_scratch = false);
 
   // Whether a ray that is not opaque meets the block, empty ones too. Blocks are given by id.
@@ -151,6 +151,7 @@ class VisibilityEstimate {
   std::vector<ChangedPart> changedParts(int64_t block, int32_t before, int32_t now,
                                         size_t most) const;
   float nearSlice(const Box3& cells) const;
+  void estimateStep(int64_t step, WorkerPool& pool, bool from_scratch);
   std::vector<Task> allTiles(int64_t step);
   std::vector<Task> affectedTiles(int64_t step, WorkerPool& pool);
   void takeChanges(int64_t step, WorkerPool& pool);
