@@ -18,7 +18,10 @@ namespace {
 constexpr double kSteady_s = 0.1;
 // Reading fewer bytes says little of its speed.
 constexpr uint64_t kTellingBytes = uint64_t{4} << 20;
-constexpr double kNewSpeed = 0.5;  // weight of the last picture in the expected speed
+// Reading that drawing hid took hardly any time. Memory is not faster than this.
+constexpr double kMostBytes_s = 100e9;
+constexpr double kMostBytes = 1e18;  // more than any volume has
+constexpr double kNewSpeed = 0.5;    // weight of the last picture in the expected speed
 
 }  // namespace
 
@@ -129,7 +132,7 @@ std::optional<ReadLimit> Session::readLimit(const LookPtr& look) const {
   // one coarse.
   const double reading_s = std::max(limit_s - lessons_.draw_s, limit_s / 2);
   ReadLimit limit;
-  limit.most_bytes = static_cast<uint64_t>(reading_s * bytes_per_s_);
+  limit.most_bytes = static_cast<uint64_t>(std::min(reading_s * bytes_per_s_, kMostBytes));
   limit.refines_some = limit_s >= kSteady_s;
   limit.keeps_refined = limit_s < kSteady_s;
   limit.last = drawn_;
@@ -167,7 +170,7 @@ void Session::noteDrawn(const VisibleBlocksPtr& visible, double reading_s, uint6
   }
   ++frame_number_;
   if (read_bytes < kTellingBytes || reading_s <= 0) return;
-  const double bytes_per_s = static_cast<double>(read_bytes) / reading_s;
+  const double bytes_per_s = std::min(static_cast<double>(read_bytes) / reading_s, kMostBytes_s);
   bytes_per_s_ += kNewSpeed * (bytes_per_s - bytes_per_s_);
 }
 
