@@ -62,9 +62,6 @@ LentBoxes::LentBoxes(std::vector<Box3> boxes, Vec3i dims, const std::string& nam
   std::vector<int> ranks(boxes_.size());
   std::iota(ranks.begin(), ranks.end(), 0);
   root_ = part(std::move(ranks), name);
-  if (voxels > volume(dims))
-    failRequest("{}: the ranks lend {} voxels in all, which are more than its {}", name, voxels,
-                volume(dims));
 }
 
 int LentBoxes::part(std::vector<int> ranks, const std::string& name) {

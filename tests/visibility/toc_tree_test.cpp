@@ -54,27 +54,7 @@ TEST(TocTree, whatIsCoherentIsNotVisited) {
   EXPECT_EQ(tree.bytes(), 8U * (4096 + 512 + 64 + 8 + 1));
 }
 
-TEST(TocTree, bitsThatAreNoTreeAreRefused) {
-  std::mt19937 random(2);
-  const Vec3i grid{4, 3, 2};
-  const TocTree tree(grid, 70, randomSpans(grid, 70, random));
-  std::vector<uint64_t> bits(tree.bits().begin(), tree.bits().end());
-  ASSERT_TRUE(TocTree::fromBits(grid, 70, bits));
-  EXPECT_EQ(TocTree::fromBits(grid, 70, bits)->changedBetween(3, 9), tree.changedBetween(3, 9));
-  // Whether a leaf is right only its block knows.
-  for (size_t i = 2 * 24; i < bits.size(); ++i) {
-    auto wrong = bits;
-    wrong[i] ^= 4;
-    EXPECT_FALSE(TocTree::fromBits(grid, 70, wrong)) << i;
-  }
-  auto wrong = bits;
-  std::fill(wrong.begin() + 48, wrong.end(), 0);
-  EXPECT_FALSE(TocTree::fromBits(grid, 70, wrong));
-  bits.pop_back();
-  EXPECT_FALSE(TocTree::fromBits(grid, 70, bits));
-}
-
-TEST(Fusion, differenceCountsVoxelsThatAreNotEmptyInBoth) {
+TEST(Fusion, differenceCountsVoxelsThatAreNotEmptyInEither) {
   const std::vector<float> a{0, 0, 0.5F, 0.2F, 0}, b{0, 0.3F, 0.1F, 0.2F, 0};
   EXPECT_NEAR(blockDifference(a, b), (0.3 * 0.3 + 0.4 * 0.4 + 0) / 3, 1e-7);
   EXPECT_EQ(blockDifference({a.data(), 2}, {a.data(), 2}), 0);

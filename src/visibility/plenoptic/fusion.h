@@ -32,7 +32,7 @@ void fillUniform(double device, const PartGrid& grid, const ExtinctionTable& tab
                  OpacityBlock& block);
 
 // Equation 2: the mean of the squared distances of opacity (equation 1) over the voxels that are
-// not empty in both; 0 if there are none. Requires: equal sizes.
+// not empty in at least one of the two; 0 if there are none. Requires: equal sizes.
 double blockDifference(std::span<const float> a, std::span<const float> b);
 
 // Equation 3: `into` becomes the representative of both.

@@ -63,27 +63,6 @@ void TocTree::sumChildren(size_t level, Vec3i index, std::span<uint64_t> words) 
           words[i] |= bits_[nodeAt(below, {x, y, z}) * words.size() + i];
 }
 
-std::optional<TocTree> TocTree::fromBits(Vec3i grid, int64_t steps, std::vector<uint64_t> bits) {
-  TocTree tree(grid, steps);
-  if (bits.size() != tree.bits_.size()) return std::nullopt;
-  tree.bits_ = std::move(bits);
-  std::vector<uint64_t> sum(static_cast<size_t>(tree.words_));
-  for (size_t level = 1; level < tree.levels_.size(); ++level) {
-    const Vec3i size = tree.levels_[level].grid;
-    // A node that lacks a bit of its children would hide their changes.
-    for (int64_t z = 0; z < size.z; ++z)
-      for (int64_t y = 0; y < size.y; ++y)
-        for (int64_t x = 0; x < size.x; ++x) {
-          std::fill(sum.begin(), sum.end(), 0);
-          tree.sumChildren(level, {x, y, z}, sum);
-          const size_t node = tree.nodeAt(tree.levels_[level], {x, y, z});
-          for (size_t i = 0; i < sum.size(); ++i)
-            if (tree.bits_[node * sum.size() + i] != sum[i]) return std::nullopt;
-        }
-  }
-  return tree;
-}
-
 bool TocTree::beginsWithin(size_t node, int64_t first, int64_t last) const {
   const uint64_t* words = bits_.data() + node * static_cast<size_t>(words_);
   for (int64_t word = first / kWordBits; word <= last / kWordBits; ++word) {

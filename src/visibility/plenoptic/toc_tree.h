@@ -7,7 +7,6 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -30,9 +29,6 @@ class TocTree {
   int64_t nodes() const;
   // The nodes' bits, level after level from the leaves, as they are kept in files.
   std::span<const uint64_t> bits() const { return bits_; }
-  // Makes a tree of such bits. nullopt if they do not form a tree of this grid, each node the sum
-  // of its children.
-  static std::optional<TocTree> fromBits(Vec3i grid, int64_t steps, std::vector<uint64_t> bits);
 
  private:
   struct Level {
