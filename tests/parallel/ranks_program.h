@@ -36,8 +36,9 @@ struct MpiLauncher {
     return startProgram(SLUICE_PROGRAM, ranks, most_seconds);
   }
   std::string startProgram(const std::string& path, int ranks, int most_seconds) const {
-    return fmt::format("timeout -k 5 {} {} {} -n {} {}", most_seconds, program(), options, ranks,
-                       path);
+    // Open MPI asks every X server for GPUs otherwise, and ends with one that another test stops.
+    return fmt::format("HWLOC_COMPONENTS=-gl timeout -k 5 {} {} {} -n {} {}", most_seconds,
+                       program(), options, ranks, path);
   }
   // Starts one rank for each list of arguments.
   std::string startEach(const std::vector<std::string>& arguments) const {
