@@ -181,6 +181,7 @@ void addErrors(py::module_& module) {
 
 PYBIND11_MODULE(_sluice, module) {
   addErrors(module);
+  module.attr("__version__") = SLUICE_VERSION;
   module.def("bucket_access", &bucketAccess, py::arg("variable"));
   py::class_<ArrayPlace>(module, "ArrayPlace")
       .def(py::init(

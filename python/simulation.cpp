@@ -1,6 +1,7 @@
 #include "python/simulation.h"
 
 #include <fmt/format.h>
+#include <pybind11/pybind11.h>
 
 #include "cache/simulate/simulation_report.h"
 #include "cache/simulate/simulator.h"
@@ -33,15 +34,18 @@ PreparedTrace traceOf(const SimulationRequest& request) {
 }
 
 std::vector<PolicyKind> policiesOf(const std::vector<std::string>& names) {
+  if (names.empty()) return allPolicies();
   std::vector<PolicyKind> kinds;
   for (const std::string& word : names) {
     const std::optional<PolicyKind> kind = parsePolicy(word);
-    if (!kind) failRequest("policies: no policy is called {}", word);
+    if (!kind) {
+      std::vector<std::string_view> known;
+      for (const PolicyKind each : allPolicies()) known.push_back(name(each));
+      throw pybind11::value_error(
+          fmt::format("policies: expected some of {}, found '{}'", fmt::join(known, ", "), word));
+    }
     kinds.push_back(*kind);
   }
-  if (!kinds.empty()) return kinds;
-  kinds.assign(onlinePolicies().begin(), onlinePolicies().end());
-  kinds.insert(kinds.end(), {PolicyKind::kBelady, PolicyKind::kBeladyPages});
   return kinds;
 }
 

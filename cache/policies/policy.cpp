@@ -162,6 +162,12 @@ std::span<const PolicyKind> onlinePolicies() {
   return kOnline;
 }
 
+std::vector<PolicyKind> allPolicies() {
+  std::vector<PolicyKind> kinds(kOnline.begin(), kOnline.end());
+  kinds.insert(kinds.end(), {PolicyKind::kBelady, PolicyKind::kBeladyPages});
+  return kinds;
+}
+
 std::string_view name(PolicyKind kind) {
   for (const auto& [k, text] : kNames) {
     if (k == kind) return text;

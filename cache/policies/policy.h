@@ -164,6 +164,8 @@ enum class PolicyKind {
 
 // The policies that need no knowledge of the future, in the order above.
 std::span<const PolicyKind> onlinePolicies();
+// All policies, those that know the future last.
+std::vector<PolicyKind> allPolicies();
 // "lru", "fifo", "clock", "random", "srrip", "2q", "arc", "s3-fifo", "sieve", "lfu", "slru",
 // "w-tinylfu", "lirs", "gdsf", "belady", "belady-pages": the names that --policy takes.
 std::string_view name(PolicyKind kind);

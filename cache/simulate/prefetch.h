@@ -41,16 +41,19 @@ struct PrefetchResult {
   uint64_t evicted_unused = 0;  // prefetched, then evicted before they were requested
   uint64_t polluted = 0;        // demand misses that are hits without prefetching
 
-  // The share of the chunks loaded ahead that was used; 1 when nothing was loaded.
-  double accuracy() const { return ratio(used, prefetched, 1); }
+  // The share of the chunks loaded ahead that was used; nullopt if nothing was loaded ahead.
+  std::optional<double> accuracy() const {
+    if (prefetched == 0) return std::nullopt;
+    return share(used, prefetched);
+  }
   // Share of the chunks' loads that were ahead of time; 0 when there were none.
-  double coverage() const { return ratio(used, used + misses, 0); }
+  double coverage() const { return share(used, used + misses); }
   // Share of the demand requests that prefetching turned from hits into misses.
-  double pollution() const { return ratio(polluted, requests, 0); }
+  double pollution() const { return share(polluted, requests); }
 
  private:
-  static double ratio(uint64_t part, uint64_t whole, double otherwise) {
-    return whole == 0 ? otherwise : static_cast<double>(part) / static_cast<double>(whole);
+  static double share(uint64_t part, uint64_t whole) {
+    return whole == 0 ? 0 : static_cast<double>(part) / static_cast<double>(whole);
   }
 };
 

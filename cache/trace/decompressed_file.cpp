@@ -185,6 +185,13 @@ std::unique_ptr<std::istream> openUnpacked(const std::filesystem::path& path) {
   return std::make_unique<UnpackedStream>(std::move(unpacker));
 }
 
+bool beginsAsZstd(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::array<char, kZstdMagic.size()> head{};
+  file.read(head.data(), head.size());
+  return std::string_view(head.data(), static_cast<size_t>(file.gcount())) == kZstdMagic;
+}
+
 std::filesystem::path withoutPackedEnding(const std::filesystem::path& path) {
   constexpr std::array<std::string_view, 6> kEndings = {".gz", ".zst", ".zstd",
                                                         ".xz", ".bz2", ".lz4"};

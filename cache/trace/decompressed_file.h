@@ -15,6 +15,9 @@ namespace sluice::trace_internal {
 // cannot be opened or is packed in a way that is not read (xz, bzip2, lz4, zip).
 std::unique_ptr<std::istream> openUnpacked(const std::filesystem::path& path);
 
+// Whether the file begins as data of Zstandard do. False if it cannot be read.
+bool beginsAsZstd(const std::filesystem::path& path);
+
 // The name without the ending of a compressed file: "t.csv" for "t.csv.zst". Also the
 // endings of compressions that are not read, so that the message is about these.
 std::filesystem::path withoutPackedEnding(const std::filesystem::path& path);

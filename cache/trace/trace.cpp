@@ -202,7 +202,9 @@ bool isTraceFile(const std::filesystem::path& path) {
   try {
     return formatByContent(path).has_value();
   } catch (const Error&) {
-    return false;  // compressed in a way of its own: a volume's reader identifies it
+    // No volume is compressed with Zstandard as a whole, so that this is a damaged trace. Others
+    // are for a volume's reader to identify.
+    return trace_internal::beginsAsZstd(path);
   }
 }
 

@@ -27,7 +27,7 @@ import numpy as _numpy
 
 from . import _sluice
 from ._notebook import turned_picture as _turned_picture
-from ._sluice import Cancelled, Error
+from ._sluice import Cancelled, Error, __version__
 
 __all__ = ['Cancelled', 'Error', 'Renderer', 'Volume', 'from_array', 'from_function', 'open', 'simulate']
 

@@ -510,6 +510,7 @@ class Requests(unittest.TestCase):
                 (lambda: sluice.from_function(4, (4, 4, 4), 'f4'), TypeError, '^fill: expected a function'),
                 (lambda: sluice.simulate('t', page_bytes='x'), TypeError, '^page_bytes: '),
                 (lambda: sluice.simulate('t', policies='lru'), TypeError, '^policies: expected a list of names'),
+                (lambda: sluice.simulate('t', policies=['nope']), ValueError, "^policies: .* lru, .*, found 'nope'"),
                 (lambda: sluice.simulate('t', sizes=[0.5]), TypeError, '^sizes: .* whole number'),
                 (lambda: sluice.simulate('t', sizes=[-1]), ValueError, '^sizes: .* from 1, found -1$'),
                 (lambda: sluice.open(PHANTOM, channel=[]), ValueError, '^channel: expected one or more')]:

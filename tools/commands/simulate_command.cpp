@@ -179,10 +179,7 @@ Command addSimulate(CLI::App& program) {
       "Trace: its format, if the name does not tell; gzip and zstd are unpacked");
   replay.bytes("--page-bytes", arguments->page_bytes,
                "Trace: bytes of a page, if the format does not tell (4096)");
-  std::vector<PolicyKind> kinds(onlinePolicies().begin(), onlinePolicies().end());
-  kinds.push_back(PolicyKind::kBelady);
-  kinds.push_back(PolicyKind::kBeladyPages);
-  const auto policies = wordsOf<PolicyKind>(kinds, [](PolicyKind kind) { return name(kind); });
+  const auto policies = wordsOf<PolicyKind>(allPolicies(), [](PolicyKind kind) { return name(kind); });
   replay.choices("--policies", policies, arguments->policies,
                  "Rows of the table (all): " + listed(namesOf(policies)));
   replay.parsed(

@@ -27,13 +27,7 @@ void refusePipe(const std::string& name) {
 }
 
 std::vector<PolicyKind> policiesOf(const SimulateArguments& arguments) {
-  std::vector<PolicyKind> kinds = arguments.policies;
-  if (kinds.empty()) {
-    kinds.assign(onlinePolicies().begin(), onlinePolicies().end());
-    kinds.push_back(PolicyKind::kBelady);
-    kinds.push_back(PolicyKind::kBeladyPages);
-  }
-  return kinds;
+  return arguments.policies.empty() ? allPolicies() : arguments.policies;
 }
 
 // The size that is asked for of the cache that facts, plots and reading ahead are of.

@@ -67,7 +67,8 @@ void addSimulatedCurves(const SimulatedRun& run, json& curves) {
 }
 
 json prefetchJson(const PrefetchResult& result, PrefetchModel model) {
-  return {{"model", name(model)},          {"accuracy", result.accuracy()},
+  const std::optional<double> accuracy = result.accuracy();
+  return {{"model", name(model)},          {"accuracy", accuracy ? json(*accuracy) : json()},
           {"coverage", result.coverage()}, {"pollution", result.pollution()},
           {"misses", result.misses},       {"misses_without", result.misses_without}};
 }
@@ -152,10 +153,12 @@ void printSimulation(const SimulatedRun& run, const SimulateArguments& arguments
     printSampled(run);
   else
     printRows(run.rows);
-  if (run.prefetch)
-    say("prefetch {}: accuracy {:.3f}, coverage {:.3f}, pollution {:.4f}\n",
-        name(*arguments.prefetch), run.prefetch->accuracy(), run.prefetch->coverage(),
+  if (run.prefetch) {
+    const std::optional<double> accuracy = run.prefetch->accuracy();
+    say("prefetch {}: accuracy {}, coverage {:.3f}, pollution {:.4f}\n", name(*arguments.prefetch),
+        accuracy ? fmt::format("{:.3f}", *accuracy) : "-", run.prefetch->coverage(),
         run.prefetch->pollution());
+  }
 }
 
 void printSum(std::span<const SimulatedRun> runs) {

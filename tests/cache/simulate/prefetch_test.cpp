@@ -34,6 +34,7 @@ TEST(Prefetch, nothingFitsBesideOnePinnedCluster) {
   const PrefetchResult r = simulatePrefetch(turntable(10, 3), {.pages = 4});
   EXPECT_EQ(r.prefetched, 0u);
   EXPECT_EQ(r.misses, r.misses_without);
+  EXPECT_EQ(r.accuracy(), std::nullopt);
   EXPECT_EQ(r.coverage(), 0);
 }
 

@@ -137,6 +137,15 @@ TEST_F(DecompressedTraces, cutAndDamagedFilesAreNamed) {
   }
 }
 
+// Neither the name nor the few bytes that can be unpacked tell that it is a trace.
+TEST_F(DecompressedTraces, zstandardDataCutInItsFirstBlockAreATrace) {
+  const std::string packed = zstandard(std::string(100, 'a') + "no trace");
+  const auto cut = put("cut.zst", packed.substr(0, packed.size() / 2));
+  EXPECT_TRUE(isTraceFile(cut));
+  EXPECT_THAT(errorOf([&] { openTrace(cut); }),
+              testing::AllOf(HasSubstr("cut.zst"), HasSubstr("may be cut")));
+}
+
 TEST_F(DecompressedTraces, otherCompressionsAreNamed) {
   const auto path = put("t.csv.xz", std::string("\xfd"
                                                 "7zXZ\0\0\0",
