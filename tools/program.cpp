@@ -55,6 +55,17 @@ std::vector<std::string> withoutHelpWord(const std::vector<std::string>& words) 
   return rest;
 }
 
+// "sluice render bonsai.nii.gz bonsai.png": the last word is a file to write, without its option.
+std::string missingOutputHint(const CLI::RequiredError& error,
+                              const std::vector<std::string>& words) {
+  const std::string& last = words.back();
+  std::error_code none;
+  if (!std::string_view(error.what()).starts_with("--output") || last.starts_with("-") ||
+      words.size() < 3 || std::filesystem::exists(last, none))
+    return "";
+  return fmt::format("; to write {}, give -o {}", last, last);
+}
+
 int parseAndRun(const std::vector<std::string>& given, const Launch& launch) {
   // The build calls "help --files FOLDER"; no help lists it.
   if (given.size() == 3 && given[0] == "help" && given[1] == "--files") {
@@ -88,6 +99,8 @@ int parseAndRun(const std::vector<std::string>& given, const Launch& launch) {
   } catch (const CLI::CallForVersion&) {
     say("{}\n", SLUICE_VERSION);
     return kDone;
+  } catch (const CLI::RequiredError& error) {
+    return refuseTogether(launch, error.what() + missingOutputHint(error, words), kUsage);
   } catch (const CLI::ParseError& error) {
     return refuseTogether(launch, error.what(), kUsage);
   }

@@ -140,12 +140,14 @@ VolumeSurface makeSurface(const IndexedVolume& volume, const SurfaceOptions& opt
                        expectedValues(ranges, block), {finest.name, ranges.map, ranges.index_file});
     };
   const uint64_t least = leastSurfaceBytes(request);
+  // As much again holds decoded chunks.
+  const uint64_t needed = is_decoded ? 2 * least - 1 : least;
   if (least > request.memory_bytes)
     failMemory(
-        "{}: --memory {} is too small for a surface, whose voxels and triangles take {}; give "
-        "--memory {}",
-        volume.name, formatBytes(pass.memory_bytes), formatBytes(least),
-        held + (is_decoded ? 2 * least - 1 : least));
+        "{}: --memory {} is too small for a surface: the index takes {}, voxels and triangles {}; "
+        "give --memory {}",
+        volume.name, formatBytes(pass.memory_bytes), formatBytes(held), formatBytes(needed),
+        held + needed);
   made.report = makeSurface(request, file, pass.pool, pass.progress);
   if (made.report.triangles == 0) {
     const ValueRange values = volume.finiteRange();

@@ -161,7 +161,8 @@ int pack(const PackArguments& arguments) {
         arguments.resources.quiet ? ProgressMeter() : ProgressMeter(progressLine("packing"), bytes);
     sayWhenInterrupted("interrupted; run the same command again to continue");
     report = packZarr(channels, arguments.output, options, pool, progress);
-    sayWhenInterrupted("interrupted");  // the store is whole, its index may not be
+    // The store is whole, its index may not be.
+    sayWhenInterrupted("interrupted; the store is complete, and its first use makes its index");
   }
   const Stopwatch watch;
   const auto kept = indexStore(arguments, channels.size(), pool);
