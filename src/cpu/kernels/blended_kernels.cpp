@@ -76,6 +76,13 @@ HWY_INLINE void addColor(const Color& color, const M& shows, int j, Mixtures& mi
   mixtures.mixed |= bit;
 }
 
+// The places of a packet's samples in the slices between two looks. Bit j of `known` is set if the
+// place of slice j is.
+struct Places {
+  std::array<Place, kSlicesAtOnce> of;
+  uint32_t known = 0;
+};
+
 // The way of a packet through a channel's box. Slices count as FrameSetup has them.
 struct ChannelWay {
   const KernelFrame* frame;
@@ -88,16 +95,17 @@ struct ChannelWay {
   // No slice before it shows anything, as far as is known; the block's end for lanes that are
   // through the box.
   V shown;
+  uint32_t places;  // whose Places these samples have, see placesOf()
 };
 
 // Adds the channel's samples at slices k + first, ..., k + last - 1 to the mixtures of slices from
-// k on.
+// k on. `places` are shared by the channels whose samples have the same ones.
 using AddSamples = void (*)(const ChannelWay& way, const V& k, int first, int last, const M& going,
-                            Mixtures& mixtures, VI& taken);
+                            Places& places, Mixtures& mixtures, VI& taken);
 
 template <DeviceType kType, Shading kShading>
 HWY_NOINLINE void addSamples(const ChannelWay& way, const V& k, int first, int last, const M& going,
-                             Mixtures& mixtures, VI& taken) {
+                             Places& places, Mixtures& mixtures, VI& taken) {
   const KernelFrame& frame = *way.frame;
   const KernelBox& box = *way.box;
   const V one = all(1.0F);
@@ -120,12 +128,21 @@ HWY_NOINLINE void addSamples(const ChannelWay& way, const V& k, int first, int l
                 hn::MulAdd(part, pace.z, start.z)};
     return clamps ? clamped(cells, at) : at;
   };
+  // Places come first: they are a long chain of steps, and the processor works on those of several
+  // slices at once.
+  for (int j = first; j < last; ++j) {
+    if ((places.known >> j & 1) != 0) continue;
+    const V slice = hn::Add(k, all(static_cast<float>(j)));
+    places.of[static_cast<size_t>(j)] = placeAt(cells, placeOf(slice));
+    places.known |= uint32_t{1} << j;
+  }
   VI counted = hn::Zero(I());
   V slice = hn::Add(k, all(static_cast<float>(first)));
   for (int j = first; j < last; ++j, slice = hn::Add(slice, one)) {
     M shows = hn::And(going, hn::And(hn::Ge(slice, from), hn::Lt(slice, end)));
     counted = hn::Sub(counted, hn::VecFromMask(I(), hn::RebindMask(I(), shows)));
-    const Numbers numbers = numbersAt<kType, kShading>(frame, box, placeAt(cells, placeOf(slice)));
+    const Numbers numbers =
+        numbersAt<kType, kShading>(frame, box, places.of[static_cast<size_t>(j)]);
     if (kType == DeviceType::kF32) shows = hn::AndNot(isNoNumber(numbers.value), shows);
     if (selects)
       shows = hn::And(shows, hn::And(hn::Ge(numbers.value, least), hn::Le(numbers.value, most)));
@@ -136,10 +153,9 @@ HWY_NOINLINE void addSamples(const ChannelWay& way, const V& k, int first, int l
   for (int j = first; j < last; ++j, slice = hn::Add(slice, one)) {
     const auto& [shows, value, square] = samples[static_cast<size_t>(j)];
     if (hn::AllFalse(F(), shows)) continue;
-    const V3 at = placeOf(slice);
-    addColor(
-        colorOf<kType, kShading>(frame, box, at, placeAt(cells, at), value, square, way.ray_length),
-        shows, j, mixtures);
+    addColor(colorOf<kType, kShading>(frame, box, placeOf(slice), places.of[static_cast<size_t>(j)],
+                                      value, square, way.ray_length),
+             shows, j, mixtures);
   }
 }
 
@@ -189,7 +205,7 @@ struct BlockWay {
 };
 
 HWY_INLINE void addWay(const KernelFrame& frame, const KernelBox& box, const Positions& positions,
-                       const Packet& packet, const V3& step, AddSamples adding,
+                       const Packet& packet, const V3& step, AddSamples adding, uint32_t places,
                        BlockWay& all_ways) {
   const Slices slices = slicesIn(frame, box, packet, step);
   const M meets = hn::Gt(slices.count, hn::Zero(F()));
@@ -210,6 +226,7 @@ HWY_INLINE void addWay(const KernelFrame& frame, const KernelBox& box, const Pos
   way.cells = cellsOf(box);
   way.shown = way.from;
   way.bricks = box.distances != nullptr ? brickWay(box, way.first, way.pace) : noBrickWay();
+  way.places = places;
   all_ways.adds[static_cast<size_t>(all_ways.count)] = adding;
   all_ways.from = all_ways.count == 0 ? way.from : hn::Min(all_ways.from, way.from);
   all_ways.end = all_ways.count == 0 ? way.end : hn::Max(all_ways.end, way.end);
@@ -246,6 +263,7 @@ HWY_INLINE void drawBlock(const KernelFrame& frame, BlockWay& block, const M& go
   V in_box = hn::Zero(F());
   V k = block.from;
   Mixtures mixtures;
+  std::array<Places, kMostBlended> places;  // the boxes', not the ways'
   const V one = all(1.0F);
   for (;;) {
     k = nextSlices(block, k, going);
@@ -254,6 +272,8 @@ HWY_INLINE void drawBlock(const KernelFrame& frame, BlockWay& block, const M& go
     if (!(most > 0)) return;
     const int slices = static_cast<int>(std::min<float>(most, kSlicesAtOnce));
     mixtures.shown = mixtures.mixed = 0;
+    for (int c = 0; c < block.count; ++c)
+      places[block.ways[static_cast<size_t>(c)].places].known = 0;
     for (int c = 0; c < block.count; ++c) {
       const ChannelWay& way = block.ways[static_cast<size_t>(c)];
       // The slices that some lane has in the box, from the first on that may show something.
@@ -266,7 +286,8 @@ HWY_INLINE void drawBlock(const KernelFrame& frame, BlockWay& block, const M& go
           std::max(0.0F, std::min(kMostAtOnce, hn::GetLane(hn::MinOfLanes(F(), from)))));
       const int last = static_cast<int>(hn::GetLane(hn::MaxOfLanes(F(), to)));
       if (first >= last) continue;
-      block.adds[static_cast<size_t>(c)](way, k, first, last, going, mixtures, pixels.taken);
+      block.adds[static_cast<size_t>(c)](way, k, first, last, going, places[way.places], mixtures,
+                                         pixels.taken);
     }
     for (uint32_t rest = mixtures.shown; rest != 0; rest &= rest - 1) {
       const int j = std::countr_zero(rest);
@@ -285,6 +306,34 @@ HWY_INLINE void drawBlock(const KernelFrame& frame, BlockWay& block, const M& go
   }
 }
 
+// Whether the samples of two boxes lie at the same places in texels of the same layout.
+bool havePlacesAlike(const KernelBox& a, const KernelBox& b) {
+  return a.voxel0 == b.voxel0 && a.size == b.size && a.axes == b.axes &&
+         a.texel_scale == b.texel_scale && a.texel_start == b.texel_start &&
+         a.texel_hi == b.texel_hi && a.last_cell == b.last_cell && a.stride == b.stride &&
+         a.clamps == b.clamps;
+}
+
+// For each of a block's boxes, the first one whose samples have the same places. Kinds of samples
+// differ in whether places are clamped to the box.
+std::array<uint32_t, kMostBlended> placesOf(const KernelFrame* const* frames, const Adding* adds,
+                                            const KernelBox* boxes) {
+  std::array<uint32_t, kMostBlended> places;
+  for (uint32_t i = 0; i <= boxes[0].joined; ++i) {
+    const KernelBox& box = boxes[i];
+    places[i] = 0;
+    while (places[i] < i) {
+      const KernelBox& other = boxes[places[i]];
+      if (adds[box.channel].of(box) == adds[other.channel].of(other) &&
+          frames[box.channel]->labels == frames[other.channel]->labels &&
+          havePlacesAlike(box, other))
+        break;
+      ++places[i];
+    }
+  }
+  return places;
+}
+
 // The box at the front of a block's boxes, and those that join it.
 HWY_NOINLINE void drawBoxes(const KernelFrame* const* frames, const Adding* adds,
                             const KernelBox* boxes, TilePixels& tile) {
@@ -292,6 +341,7 @@ HWY_NOINLINE void drawBoxes(const KernelFrame* const* frames, const Adding* adds
   const auto [x_lo, y_lo, x_hi, y_hi] = packetsOf(boxes[0], tile);
   std::array<Positions, kMostBlended> positions;
   for (uint32_t i = 0; i <= boxes[0].joined; ++i) positions[i] = positionsIn(boxes[i], tile);
+  const std::array<uint32_t, kMostBlended> places = placesOf(frames, adds, boxes);
   for (int y = y_lo; y < y_hi; y += kPacketHeight)
     for (int x = x_lo; x < x_hi; x += kPacketWidth) {
       const int at = (y / kPacketHeight * (kTileSide / kPacketWidth) + x / kPacketWidth) * kLanes;
@@ -305,7 +355,7 @@ HWY_NOINLINE void drawBoxes(const KernelFrame* const* frames, const Adding* adds
       for (uint32_t i = 0; i <= boxes[0].joined; ++i) {
         const uint32_t channel = boxes[i].channel;
         addWay(*frames[channel], boxes[i], positions[i], packet, step, adds[channel].of(boxes[i]),
-               block);
+               places[i], block);
       }
       if (block.count == 0) continue;
       drawBlock(frame, block, going, pixels);
