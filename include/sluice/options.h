@@ -41,7 +41,7 @@ struct LookOptions {
     std::string map = {};
     std::optional<std::array<double, 2>> range = {};  // opacity rises over it from 0, too
     // At the end of the range; for labels the factor of their opacities, which are 1 without a
-    // table. Unset: 0.05; with a table 1.
+    // table. Unset: 0.05; labels of VolumeOptions::over 0.1; with a table 1.
     std::optional<double> opacity = {};
     friend bool operator==(const Channel&, const Channel&) = default;
   };
@@ -85,7 +85,9 @@ struct LookOptions {
   std::optional<std::array<double, 2>> range = {};  // colours span these; descending: reversed
   // Channels that are not named look as the file says (OME), or by a colour of their own.
   std::vector<Channel> channels = {};
-  Combine combine = Combine::kAdd;
+  // Unset: a second volume (VolumeOptions::over) is blended with a first one of one channel if both
+  // can be blended, and all others are added.
+  std::optional<Combine> combine = {};
   Light light = Light::kChosen;  // lights surfaces in composite mode; chosen: if it shows more
   // Attenuated maximum: a voxel length of the finest spacing at the greatest value of `range` dims
   // what is behind it by exp(-attenuation), and lesser values in proportion; unset: 0.05.

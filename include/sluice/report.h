@@ -151,6 +151,9 @@ struct ShownLook {
   std::vector<Channel> channels;       // empty if pictures show one
   std::vector<LabelName> label_names;  // of a table, ascending by label
   bool lit = false, labels = false;
+  // The channels are one medium unless a picture has light that looks around, see
+  // LookOptions::combine.
+  bool blends = false;
   std::string options;   // Renderer::lookText()
   std::string transfer;  // the transfer function as a file of ours holds it, JSON
   std::vector<std::string> warnings;

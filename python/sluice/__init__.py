@@ -166,7 +166,8 @@ def open(path, *, time=0, whole_series=True, opens_soon=False, index_dir=None, l
     a grid of OpenVDB or a series of DICOM. `channel` is a number or a name,
     or a list of them that pictures show together, as they do the active channels of an OME file.
     `over` names the file or address of a second volume, which pictures show at its own place in the
-    world: labels over a scan, for example.
+    world: labels over a scan, for example. On the same grid as a first volume of one channel, it is
+    blended with it as one medium, unless a picture is asked for with combine='add'.
 
     The first opening passes over the voxels and keeps an index in `index_dir`, by default the
     folder that `sluice` uses; '' keeps none. `memory` ('512M' or bytes) bounds that pass. `levels`

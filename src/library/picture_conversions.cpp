@@ -212,7 +212,9 @@ void setLook(const LookOptions& look, LookArguments& arguments) {
           channelLookText(own));
     arguments.channels.push_back(std::move(own));
   }
-  if (look.combine == LookOptions::Combine::kBlend) arguments.combine = Combine::kBlend;
+  if (look.combine)
+    arguments.combine =
+        *look.combine == LookOptions::Combine::kBlend ? Combine::kBlend : Combine::kAdd;
   if (!look.surfaces.empty()) arguments.surfaces.clear();
   for (const LookOptions::Surface& surface : look.surfaces) {
     SurfaceLook own{surface.value, surface.opacity, surface.color};
@@ -263,7 +265,9 @@ LookOptions lookOptionsOf(const LookArguments& arguments, Mode mode) {
   for (const ChannelLook& channel : arguments.channels)
     look.channels.push_back(
         {channel.channel, channel.map, rangeOf(channel.range), channel.opacity});
-  if (arguments.combine == Combine::kBlend) look.combine = LookOptions::Combine::kBlend;
+  if (arguments.combine)
+    look.combine = *arguments.combine == Combine::kBlend ? LookOptions::Combine::kBlend
+                                                         : LookOptions::Combine::kAdd;
   for (const SurfaceLook& surface : arguments.surfaces)
     look.surfaces.push_back({surface.value, surface.opacity, surface.color});
   look.attenuation = arguments.attenuation;

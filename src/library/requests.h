@@ -42,10 +42,10 @@ struct LookArguments {
   std::optional<double> opacity;
   std::vector<OpacityPoint> opacities;  // empty: from one of the others
   std::vector<ChannelLook> channels;    // looks of single channels
-  Combine combine = Combine::kAdd;
-  std::vector<SurfaceLook> surfaces;  // drawn alone unless opacities are given
-  bool labels = false;                // as a table or a look of a label ask for, too
-  std::string label_table;            // a file
+  std::optional<Combine> combine;       // unset: see combineOf()
+  std::vector<SurfaceLook> surfaces;    // drawn alone unless opacities are given
+  bool labels = false;                  // as a table or a look of a label ask for, too
+  std::string label_table;              // a file
   std::vector<LabelLook> label_looks;
   std::optional<ValueRange> range;  // in place of the data's; lo > hi turns a map round
   // For a series: look and fit follow from the drawn step alone.

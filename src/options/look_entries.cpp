@@ -25,9 +25,6 @@ bool hasOneOpacity(const ViewState& state) {
   return hasNoFile(state) &&
          (hasColors(state) || state.look.threshold || hasLabelsOfAnyKind(state));
 }
-bool isBlended(const ViewState& state) {
-  return state.look.combine == Look::Combine::kBlend;
-}
 
 }  // namespace
 
@@ -151,8 +148,9 @@ std::vector<OptionEntry> lookEntries() {
           .is_rare = true,
           .turn = 11,
           .kind = wordOf({"add", "blend"}),
-          .help = "Adds the pictures of several channels, or blends all of them at each sample",
-          .is_printed = isBlended}),
+          .help = "Adds the pictures of several channels, or blends all of them at each sample "
+                  "(a volume of --over is blended if it has the grid of the first one; channels "
+                  "are added)"}),
       in(&Look::surfaces,
          {.key = "surfaces",
           .option = "--iso",

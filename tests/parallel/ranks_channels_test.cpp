@@ -101,6 +101,7 @@ TEST_P(RanksChannels, blendThePictureOfOneProcess) {
 TEST_P(RanksChannels, blendASecondVolumeWithTheFirst) {
   expectSame(
       "synth:phantom,dims=60x64x68 --over synth:parts,dims=60x64x68 --combine blend --block 8");
+  expectSame("synth:phantom,dims=60x64x68 --over synth:parts,dims=60x64x68 --block 8");
   // The cut through the levels is dealt once for all channels, whatever the algorithm loads.
   for (const char* options : {"", "--pixel-error 8 --algorithm conventional",
                               "--level 1 --algorithm conventional", "--level 1 --shade"})

@@ -145,6 +145,13 @@ class Pictures(unittest.TestCase):
             with self.subTest(more):
                 renderer = sluice.Renderer(volume, device='cpu')
                 self.assertSamePicture(renderer.render(size=64, **options), self.command(*words, *more))
+        # They are one medium unless light looks around, whatever a renderer drew before.
+        renderer = sluice.Renderer(volume, device='cpu')
+        blended = renderer.render(size=64, shade=True)
+        self.assertSamePicture(renderer.render(size=64, shade=True, shadows=0.5),
+                               self.command(*words, '--shade', '--shadows=0.5'))
+        numpy.testing.assert_array_equal(renderer.render(size=64, shade=True), blended)
+        self.assertSamePicture(blended, self.command(*words, '--shade', '--combine', 'blend'))
         with self.assertRaisesRegex(sluice.Error, 'combine blend needs mode composite'):
             volume.render(size=64, combine='blend', mode='mip')
 
@@ -430,11 +437,12 @@ class Plans(unittest.TestCase):
     def test_of_two_volumes_are_those_of_the_command(self):
         scan, labels = 'synth:phantom,dims=96x96x96', 'synth:parts,dims=96x96x96'
         look = ['over:labels,0.3']
-        for combine in ('add', 'blend'):
+        for combine in (None, 'add', 'blend'):
             with self.subTest(combine):
-                plan = sluice.open(scan, over=labels).plan(size=64, threshold=40, look=look, combine=combine)
+                options = dict(size=64, threshold=40, look=look, **(dict(combine=combine) if combine else {}))
+                plan = sluice.open(scan, over=labels).plan(**options)
                 command = self.command(scan, '--over', labels, '--size', '64', '--threshold', '40', '--look', look[0],
-                                       '--combine', combine)
+                                       *(['--combine', combine] if combine else []))
                 self.assertEqual([channel['channel'] for channel in plan['channels']], [0, 'over'])
                 for own, other in zip([plan, *plan['channels']], [command, *command['channels']]):
                     self.assertEqual(set(own), set(other) - {'command', 'options', 'volume', 'transfer'})
@@ -447,7 +455,6 @@ class Plans(unittest.TestCase):
                     for name, value in of[0].items():
                         self.assertEqual(value, of[1][name] + of[2][name], name)
                 renderer = sluice.Renderer(sluice.open(scan, over=labels), device='cpu')
-                options = dict(size=64, threshold=40, look=look, combine=combine)
                 plan = renderer.plan(**options)
                 renderer.render(**options)
                 report = renderer.report()

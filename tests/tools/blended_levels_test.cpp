@@ -198,6 +198,26 @@ TEST_F(BlendedLevels, aLevelThatOneLacksIsRefused) {
   refused("scan.zarr --over means.zarr --level 1", "means.zarr: its coarser levels hold means");
 }
 
+// Unasked, volumes that differ in their levels keep them and are added, and others are blended.
+TEST_F(BlendedLevels, unaskedIsBlendedFromLevelsThatBothHave) {
+  run("pack synth:phantom,dims=160x160x160 -o flat.zarr --levels none --quiet");
+  run("pack synth:parts,dims=160x160x160 -o short.zarr --levels 1 --downsample mode --quiet");
+  for (const auto& [arguments, combine] :
+       {std::pair("scan.zarr --over parts.zarr --pixel-error 2", "blend"),
+        std::pair("scan.zarr --over parts.zarr --level 1", "blend"),
+        std::pair("scan.zarr --over short.zarr --pixel-error 4", "blend"),
+        std::pair("scan.zarr --over short.zarr --level 2", "add"),
+        std::pair("flat.zarr --over parts.zarr --pixel-error 4", "add"),
+        std::pair("flat.zarr --over parts.zarr --level 0", "blend")}) {
+    SCOPED_TRACE(arguments);
+    const std::string command =
+        fmt::format("render {} --size 160x140 --block 32 --force ", arguments);
+    run(command + "-o unasked.png");
+    run(command + fmt::format("--combine {} -o asked.png", combine));
+    EXPECT_EQ(picture("unasked.png"), picture("asked.png"));
+  }
+}
+
 // Levels of one volume alone are not used, whichever has them.
 TEST_F(BlendedLevels, withLevelsOfOneAloneTheFinestIsBlended) {
   run("pack synth:phantom,dims=160x160x160 -o flat.zarr --levels none --quiet");

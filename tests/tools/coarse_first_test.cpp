@@ -221,7 +221,8 @@ TEST_F(CoarseFirst, volumesOfARowGetBetterTogether) {
   for (const char* over : {"parts.zarr", "parts_160x150x140_uint8.raw"})
     for (const char* options : {"--pixel-error 0.5", "--level 1", "--time-limit 1000s"}) {
       SCOPED_TRACE(std::string(over) + " " + options);
-      const std::string command = std::string(kLook) + " --over " + over + " " + options;
+      const std::string command =
+          std::string(kLook) + " --combine add --over " + over + " " + options;
       const json report = program_.json("render v.zarr -o 'p_##.png' --progressive " + command);
       const json& pictures = report["frames"][0]["pictures"];
       const std::vector<int> levels = finestLevels(pictures);

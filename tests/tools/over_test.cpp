@@ -14,6 +14,7 @@
 namespace sluice {
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
@@ -61,7 +62,7 @@ TEST_F(Over, gridAxesAndUnitsOfTheSecondVolumeMakeNoDifference) {
         std::string("--eye 60,-200,80 --target 60,30,60 --projection perspective")}) {
     SCOPED_TRACE(options);
     for (const char* over : {"spot", "turned", "silent"})
-      render(fmt::format("scan.nrrd --over {0}.nrrd -o {0}.png {1}", over, options));
+      render(fmt::format("scan.nrrd --over {0}.nrrd --combine add -o {0}.png {1}", over, options));
     render("scan.nrrd -o alone.png " + options);
     EXPECT_LE(difference("spot.png", "turned.png"), 1);
     EXPECT_LE(difference("spot.png", "silent.png"), 1);
@@ -94,12 +95,61 @@ TEST_F(Over, isBlendedOnOneGrid) {
     EXPECT_THAT(render(command + options), HasSubstr("0 pixels above 1/255")) << options;
   render("scan.nrrd --over moved.nrrd --combine blend --step 0.7 -o moved.png");
   EXPECT_LE(difference("blend.png", "moved.png"), 1);
-  render("scan.nrrd --over labels.nrrd -o add.png");
+  render("scan.nrrd --over labels.nrrd --combine add -o add.png");
   EXPECT_GT(difference("blend.png", "add.png"), 20);
   const CommandResult result =
       program_.run("render scan.nrrd --over turned.nrrd --combine blend -o no.png");
   EXPECT_EQ(result.status, 1);
   EXPECT_THAT(result.output, HasSubstr("turned.nrrd is on another grid of voxels than scan.nrrd"));
+}
+
+// Added, labels and the scan under them are nearly white together.
+TEST_F(Over, isOneMediumOnOneGridUnlessAsked) {
+  const auto isAs = [&](const char* combine, const std::string& arguments) {
+    SCOPED_TRACE(arguments);
+    const std::string command = "scan.nrrd " + arguments;
+    EXPECT_THAT(render(command + " --verify -o unasked.png"),
+                AllOf(HasSubstr("0 pixels above 1/255"), Not(HasSubstr("--combine"))));
+    render(command + " -o asked.png --combine " + combine);
+    EXPECT_EQ(difference("unasked.png", "asked.png"), 0);
+  };
+  const std::string labels = "--over labels.nrrd ";
+  for (const char* options : {"", "--look over:labels,0.3", "--shade --step 0.7", "--level 0"})
+    isAs("blend", labels + options);
+  isAs("blend", "--over moved.nrrd");
+  isAs("add", "--over turned.nrrd");
+  for (const char* options : {"--mode mip", "--iso 100 --threshold 60", "--shade --shadows",
+                              "--occlusion clip --opacity-threshold 1", "--partition boxes"})
+    isAs("add", labels + options);
+  EXPECT_THAT(render("scan.nrrd " + labels + "--quality high -o high.png"),
+              HasSubstr("--quality changes nothing in a blended picture"));
+  EXPECT_THAT(render("scan.nrrd " + labels + "--combine add -o add.png"),
+              HasSubstr("--combine=add"));
+  EXPECT_GT(difference("high.png", "add.png"), 20);
+  render("scan.nrrd " + labels + "--look over:labels,0.1 -o haze.png");
+  EXPECT_EQ(difference("high.png", "haze.png"), 0);
+}
+
+// The plan, the report and the simulator have the blocks of the blended picture.
+TEST_F(Over, isPlannedAsItIsDrawn) {
+  for (const char* combine : {"", "--combine blend ", "--combine add "}) {
+    SCOPED_TRACE(combine);
+    const std::string options = std::string("scan.nrrd --over labels.nrrd --size 160x140 ") +
+                                "--block 16 --page 16x16x16 --pages 64 " + combine;
+    const auto plan = program_.json("plan " + options)["channels"];
+    const auto frame = program_.json("render " + options + "--force -o a.png")["frames"][0];
+    const auto simulated = program_.json("simulate " + options + "--frames 1 --policies lru");
+    for (size_t c = 0; c < 2; ++c) {
+      const auto& drawn = frame["channels"][c];
+      EXPECT_GT(drawn["chunks"], 0);
+      EXPECT_EQ(plan[c]["blocks"], drawn["blocks"]);
+      EXPECT_EQ(plan[c]["algorithms"]["merged"]["chunks"], drawn["chunks"]);
+      for (const auto& row : simulated["rows"])
+        if (row["channel"] == drawn["channel"] && row["pages"] == 64) {
+          EXPECT_EQ(row["chunk_requests"], drawn["chunks"]);
+        }
+    }
+  }
 }
 
 TEST_F(Over, labelsHaveTheirColours) {

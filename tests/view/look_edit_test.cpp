@@ -69,5 +69,16 @@ TEST(LookEdit, addsNoSurfaceWhereNoneIsDrawn) {
   EXPECT_FALSE(takesSurface({.combine = LookOptions::Combine::kBlend}, channels));
 }
 
+TEST(LookEdit, knowsWhetherChannelsAreOneMedium) {
+  ShownLook shown;
+  shown.blends = true;
+  PictureOptions picture;
+  EXPECT_TRUE(blendsChannels({}, picture, shown));
+  EXPECT_FALSE(blendsChannels({.combine = LookOptions::Combine::kAdd}, picture, shown));
+  EXPECT_TRUE(blendsChannels({.combine = LookOptions::Combine::kBlend}, picture, {}));
+  picture.lighting.shadows = 0.5;
+  EXPECT_FALSE(blendsChannels({}, picture, shown));
+}
+
 }  // namespace
 }  // namespace sluice

@@ -81,7 +81,7 @@ def over(folder):
     """The blended volume over the first one has a row, and the saved view both."""
     script = pathlib.Path(__file__).parent.parent / 'tools/over.py'
     subprocess.run([sys.executable, script, 'write'], cwd=folder, check=True)
-    volumes = ['scan.nrrd', '--over', 'labels.nrrd', '--combine', 'blend']
+    volumes = ['scan.nrrd', '--over', 'labels.nrrd']
     with Display(*SCREEN) as display, Window(display, sys.argv[1], [*volumes, *SIZE], folder) as window:
         window.wait('opened')
         window.whole(0)
@@ -89,12 +89,13 @@ def over(folder):
         changed(window, lambda: window.click('channel over shows', x=0.1))
         look = save(window, folder)
         assert {'channel': 'over', 'opacity': 0} in looks(look), look
-        assert look['combine'] == 'blend', look
+        assert 'combine' not in look, look
         assert saved(folder)['volume']['over'].endswith('labels.nrrd'), saved(folder)['volume']
         changed(window, lambda: window.click('channel over shows', x=0.1))
         changed(window, lambda: window.click('one medium', x=0.1))
         assert save(window, folder)['combine'] == 'add'
         changed(window, lambda: window.click('one medium', x=0.1))
+        assert save(window, folder)['combine'] == 'blend'
         window.shot('labels over a scan again')
         assert window.end()['gl_errors'] == 0
     drawn = subprocess.run([sys.argv[1], 'render', '--state', 'view.json', '-o', 'state.png', '--size', '80x60'], cwd=folder,

@@ -80,10 +80,8 @@ const std::vector<IdleRule>& rules() {
        [](const Facts& f) { return isPlain(f) && f.shows_labels; },
        "in a picture of labels"},
       {{"--quality"},
-       [](const Facts& f) {
-         return isPlain(f) && f.look.combine == Combine::kBlend && f.layers > 1;
-       },
-       "in a picture with --combine blend"},
+       [](const Facts& f) { return isPlain(f) && f.is_blended; },
+       "in a blended picture; --combine add does not blend"},
       {{"--quality"}, isPlain, "in a picture from levels of resolution; --level 0 leaves them out"},
       {{"--light", "--ambient", "--diffuse", "--specular", "--shadows", "--occlusion-light"},
        [](const Facts& f) { return hasNoColors(f) || !f.is_lit; },
@@ -107,6 +105,7 @@ PictureFacts pictureFacts(const LookArguments& look, const FrameOptions& frame,
   PictureFacts facts{look, frame, culling, machine};
   facts.shows_labels = layers.front().transfer->labels;
   facts.layers = layers.size();
+  facts.is_blended = blends(combineOf(look, frame, layers), layers.size());
   facts.time_steps = storedLayout(*layers.front().volume->source).time_steps;
   facts.levels = 1;
   for (const LayerLook& layer : layers)

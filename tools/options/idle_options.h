@@ -32,6 +32,7 @@ struct PictureFacts {
   bool integrates = true;  // Scene::integrates()
   bool shows_labels = false;
   size_t layers = 2;  // channels, and the volume of --over
+  bool is_blended = false;
   int64_t time_steps = 2;
   size_t levels = 2;  // of resolution, that pictures are drawn from
 };

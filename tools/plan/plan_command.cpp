@@ -176,7 +176,7 @@ int run(const PlanArguments& asked, const CLI::App& app) {
       plannedCulling(arguments, first, opened.transfers.front(), pool);
   // A device that draws decides how much memory is the least that works.
   const TexelPlace texels = texelPlaceOf(arguments.resources.device, pool);
-  const Combine combine = arguments.look.combine;
+  const Combine combine = combineOf(arguments.look, arguments.frame, looks);
   const std::vector<PlannedChannel> channels =
       plannedChannels(channelShares(looks, combine, arguments.frame, arguments.resources,
                                     culling != nullptr ? culling->most_bytes : 0, pool),

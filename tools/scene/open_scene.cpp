@@ -38,6 +38,16 @@ IndexedVolume indexed(ChannelSource opened, const ResourceArguments& resources,
   return volume;
 }
 
+// Whether frames may blend the channels, as far as is known before their values are read, see
+// combineOf().
+bool mayBlend(const std::vector<ChannelSource>& channels, const LookArguments& look,
+              const FrameOptions& frame) {
+  if (look.combine) return *look.combine == Combine::kBlend;
+  if (channels.size() != 2 || !channels.back().channel.is_over) return false;
+  return !blendObstacle(look, frame,
+                        {&channels.front().source->layout(), &channels.back().source->layout()});
+}
+
 }  // namespace
 
 IndexedVolume openIndexed(const VolumeArguments& arguments, const ResourceArguments& resources,
@@ -56,18 +66,18 @@ std::vector<IndexedVolume> openIndexedChannels(const VolumeArguments& arguments,
                                                WorkerPool& pool, const Outputs& outputs) {
   outputs.checkNames();
   std::vector<std::string> said;
-  bool blends = false;
   const auto openFor = [&](const FrameOptions& pictures) {
     std::vector<ChannelSource> opened = openChannels(arguments);
     for (const ChannelSource& channel : opened) outputs.check(channel.source->files());
     // Several channels have no row of pictures that begins with a sample.
     if (opened.size() > 1) finest = std::min(finest, FinestLevel::kMayWait);
-    blends = look.combine == Combine::kBlend && opened.size() > 1;
+    const bool blends = opened.size() > 1 && mayBlend(opened, look, pictures);
     std::vector<IndexNeeds> needs;
     for (const ChannelSource& channel : opened) {
       FrameOptions own = pictures;
       // --level counts the levels of the first volume; the second one has its own.
-      if (own.cut && channel.channel.is_over && !blends) own.cut->level.reset();
+      if (own.cut && channel.channel.is_over && look.combine != Combine::kBlend)
+        own.cut->level.reset();
       LookArguments own_look = lookOfChannel(look, channel.channel);
       own_look.labels = own_look.labels || (own_look.map.empty() && own_look.opacities.empty() &&
                                             looksLikeLabels(channel));
@@ -85,7 +95,9 @@ std::vector<IndexedVolume> openIndexedChannels(const VolumeArguments& arguments,
   const auto isAsFirst = [&](const IndexedVolume& volume) {
     return haveOneLayout(volume, volumes.front());
   };
-  if (!blends || !frame.cut || std::ranges::all_of(volumes, isAsFirst)) return volumes;
+  if (look.combine != Combine::kBlend || volumes.size() < 2 || !frame.cut ||
+      std::ranges::all_of(volumes, isAsFirst))
+    return volumes;
   // If only some have levels of resolution, the finest level of all is blended.
   for (const IndexedVolume& volume : volumes) requireLevel(*frame.cut, volume.step());
   FrameOptions finest_alone = frame;

@@ -33,13 +33,10 @@ OpenedPicture openPicture(PictureRequest request, FinestLevel finest, const Outp
   for (const IndexedVolume& volume : opened.volumes)
     opened.transfers.push_back(lookFor(volume, request.look, frame.mode).transfer);
   requireShown(request.look, opened.shown());
-  std::vector<const IndexedVolume*> volumes;
   std::vector<FittedVolume> fitted;
-  for (const LayerLook& look : opened.looks()) {
-    volumes.push_back(look.volume);
+  for (const LayerLook& look : opened.looks())
     fitted.push_back({*look.volume, look.volume->step(), *look.transfer});
-  }
-  requireBlendable(request.look, frame, volumes);
+  requireBlendable(request.look, frame, opened.looks());
   opened.cameras = std::move(request.cameras);
   fitCameras(opened.cameras, request.fit, {std::move(fitted), frame, request.look.this_step}, {},
              request.resources, pool);

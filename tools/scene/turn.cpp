@@ -40,9 +40,9 @@ class TurnedChannels {
         pool_(arguments.resources.threads),
         picture_(openTurned(arguments, pool_, outputs)),
         looks_(picture_.looks()),
-        blends_(sluice::blends(arguments.look.combine, looks_.size())),
-        shares_(channelShares(looks_, arguments.look.combine, frameAt(0), arguments.resources, 0,
-                              pool_)) {
+        combine_(combineOf(arguments.look, frameAt(0), looks_)),
+        blends_(sluice::blends(combine_, looks_.size())),
+        shares_(channelShares(looks_, combine_, frameAt(0), arguments.resources, 0, pool_)) {
     for (const ChannelShare& share : shares_) {
       transfers_.push_back(std::make_shared<const TransferFunction>(*share.look.transfer));
       choosers_.push_back(std::make_unique<Planner>(share.page, pool_, names_));
@@ -113,7 +113,7 @@ class TurnedChannels {
     return options;
   }
   FrameOptions optionsOf(size_t channel, int64_t frame) const {
-    return frameOfChannel(looks_[channel], looks_, arguments_.look.combine, frameAt(frame));
+    return frameOfChannel(looks_[channel], looks_, combine_, frameAt(frame));
   }
   View viewOf(size_t channel, const FrameOptions& options) const {
     return resolve(options, volume(channel).source->layout());
@@ -189,6 +189,7 @@ class TurnedChannels {
   Workers pool_;
   const OpenedPicture picture_;
   const std::vector<LayerLook> looks_;
+  const Combine combine_;
   const bool blends_;
   const std::vector<ChannelShare> shares_;
   std::vector<TransferPtr> transfers_;

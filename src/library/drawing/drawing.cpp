@@ -59,8 +59,11 @@ Drawing::Drawing(std::shared_ptr<const OpenedVolume> opened, const LookOptions& 
 
 void Drawing::setLook(const LookOptions& look) {
   const Mode mode = modeOf(checked(look));
+  FrameOptions frame = session_frame_;
+  frame.mode = mode;
+  frame.lighting = {};  // of an earlier picture
   const bool did_blend = scene_.blends();
-  scene_.setLook(lookArguments(look, opened_->whole_series), mode);
+  scene_.setLook(lookArguments(look, opened_->whole_series), frame);
   // Blended channels need pages for equal numbers of blocks, so the memory is shared out anew.
   if (scene_.blends() != did_blend) scene_.openSession(session_frame_, noMoreBytes);
   asked_look_ = look;
@@ -135,6 +138,9 @@ FrameOptions Drawing::framed(const PictureOptions& picture, const TimeStep& step
 FrameOptions Drawing::looked(const PictureOptions& picture, const TimeStep& step,
                              const IndexPass& pass) {
   FrameOptions options = framed(picture, step, pass);
+  const bool did_blend = scene_.blends();
+  scene_.setCombining(options);
+  if (scene_.blends() != did_blend) scene_.openSession(session_frame_, noMoreBytes);
   // A cut may hold no more than the memory has room for.
   if (options.cut) options.cut->most_held_bytes = cutBytes(scene_.memory_bytes, PictureRow::kMore);
   if (!picture.step_vox) {

@@ -54,6 +54,7 @@ ShownLook Drawing::shownLook() const {
   if (!scene_.more.empty())
     for (const Layer* layer : scene_.layers()) shown.channels.push_back(shownChannel(*layer));
   shown.lit = scene_.look.lit;
+  shown.blends = scene_.blends();
   shown.labels = scene_.look.transfer.labels;
   shown.options = scene_.lookText();
   shown.transfer = writeTransferFunction(scene_.look.transfer);

@@ -32,6 +32,9 @@ constexpr std::array<const char*, kMostChannels> kUsualColors = {
 // The map of a volume over another one: it begins with black, which adds nothing.
 constexpr const char* kOverMap = "hot";
 
+// Labels over a scan: their colours are told apart, and the scan still shows its shape.
+constexpr double kOverLabelsOpacity = 0.1;
+
 // Black adds nothing.
 bool isSeen(const std::optional<std::array<double, 3>>& color) {
   return color && *color != std::array{0.0, 0.0, 0.0};
@@ -207,7 +210,8 @@ bool asksForLabels(const ChannelLook& look) {
   return look.map == kLabelsMap || isLabelTable(look.map);
 }
 
-LookArguments labelsOfChannel(LookArguments look, const ChannelLook& own) {
+LookArguments labelsOfChannel(LookArguments look, const ShownChannel& channel,
+                              const ChannelLook& own) {
   look.threshold.reset();
   look.transfer_file.clear();
   look.opacities.clear();
@@ -216,7 +220,8 @@ LookArguments labelsOfChannel(LookArguments look, const ChannelLook& own) {
   if (isLabelTable(own.map)) look.label_table = own.map;
   if (own.opacity) look.opacity = own.opacity;
   // A haze shows the volume behind it. A table has opacities of its own.
-  if (!look.opacity && look.label_table.empty()) look.opacity = kDefaultOpacity;
+  if (!look.opacity && look.label_table.empty())
+    look.opacity = channel.is_over ? kOverLabelsOpacity : kDefaultOpacity;
   return look;
 }
 
@@ -233,7 +238,7 @@ LookArguments lookOfChannel(const LookArguments& asked, const ShownChannel& chan
   LookArguments look = channel.is_over ? sharedWithOver(asked) : asked;
   look.channels.clear();
   if (!look.shade) look.no_shade = true;
-  if (own != nullptr && asksForLabels(*own)) return labelsOfChannel(std::move(look), *own);
+  if (own != nullptr && asksForLabels(*own)) return labelsOfChannel(std::move(look), channel, *own);
   const bool is_own_map = own != nullptr && !own->map.empty();
   if (is_own_map) {
     requireColorMap(own->map, "--look " + channelLookText(*own));
@@ -260,7 +265,7 @@ LookArguments knownLookOfChannel(const LookArguments& asked, const ShownChannel&
     return look;
   }
   const ChannelLook own{.channel = channel.id(), .opacity = look.opacity};
-  return labelsOfChannel(std::move(look), own);
+  return labelsOfChannel(std::move(look), channel, own);
 }
 
 namespace {

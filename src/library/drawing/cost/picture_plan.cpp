@@ -66,8 +66,8 @@ PicturePlan planOf(const Scene& scene, const std::vector<TimeStep>& steps,
          .page = layer.page,
          .others_bytes = othersBytes(layer.volume, layer.look.transfer, own, scene.pool)});
   }
-  const std::vector<PlannedChannel> channels = plannedChannels(
-      shares, scene.asked.combine, nullptr, scene.device->limits().texels, scene.pool);
+  const std::vector<PlannedChannel> channels =
+      plannedChannels(shares, scene.combine, nullptr, scene.device->limits().texels, scene.pool);
   PicturePlan plan = planOf(sumOf(channels), *channels.front().shown.blocks, options.algorithm);
   for (size_t i = 0; channels.size() > 1 && i < channels.size(); ++i) {
     const ShownChannel& shown = layers[i]->volume.channel;

@@ -1,5 +1,7 @@
 #include "src/library/drawing/scene/channel_shares.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <limits>
 
@@ -58,32 +60,72 @@ FrameOptions frameOfChannel(const LayerLook& channel, const std::vector<LayerLoo
   return own;
 }
 
-void requireBlendable(const LookArguments& look, const FrameOptions& options,
-                      const std::vector<const IndexedVolume*>& volumes) {
-  if (look.combine == Combine::kAdd || volumes.size() < 2) return;
-  const IndexedVolume& first = *volumes.front();
-  for (const IndexedVolume* volume : volumes) {
-    // A blended sample reads all channels at one place of one block.
-    if (!isSameGrid(volume->source->layout(), first.source->layout()))
-      failRequest(
+std::optional<std::string> blendObstacle(const LookArguments& look, const FrameOptions& options,
+                                         const std::vector<const VolumeLayout*>& grids) {
+  // A blended sample reads all channels at one place of one block.
+  for (const VolumeLayout* grid : grids)
+    if (!isSameGrid(*grid, *grids.front()))
+      return fmt::format(
           "--combine blend: {} is on another grid of voxels than {}; leave out --combine, which "
           "adds their pictures",
-          volume->source->layout().name, first.source->layout().name);
-    if (!haveOneLayout(*volume, first))
-      failRequest(
+          grid->name, grids.front()->name);
+  if (!traitsOf(options.mode).has_colors)
+    return "--combine blend needs --mode composite, since other modes show one value a pixel";
+  if (!look.surfaces.empty()) return "--combine blend draws no surfaces; leave out --iso";
+  if (options.lighting.looksAround())
+    return "--combine blend knows no light that looks around; leave out --shadows and "
+           "--occlusion-light";
+  if (options.occlusion != Occlusion::kOff || options.partition != Partition::kBlocks)
+    return "--combine blend draws whole blocks; leave out --occlusion and --partition";
+  return std::nullopt;
+}
+
+namespace {
+
+std::optional<std::string> blendObstacle(const LookArguments& look, const FrameOptions& options,
+                                         const std::vector<LayerLook>& layers) {
+  std::vector<const VolumeLayout*> grids;
+  for (const LayerLook& layer : layers) grids.push_back(&layer.volume->source->layout());
+  if (auto obstacle = blendObstacle(look, options, grids)) return obstacle;
+  const IndexedVolume& first = *layers.front().volume;
+  for (const LayerLook& layer : layers)
+    if (!haveOneLayout(*layer.volume, first))
+      return fmt::format(
           "--combine blend: {} is read in other blocks than {}; give both the same --block, and "
           "levels of resolution to both or none",
-          volume->name, first.name);
-  }
-  if (!traitsOf(options.mode).has_colors)
-    failRequest("--combine blend needs --mode composite, since other modes show one value a pixel");
-  if (!look.surfaces.empty()) failRequest("--combine blend draws no surfaces; leave out --iso");
-  if (options.lighting.looksAround())
-    failRequest(
-        "--combine blend knows no light that looks around; leave out --shadows and "
-        "--occlusion-light");
-  if (options.occlusion != Occlusion::kOff || options.partition != Partition::kBlocks)
-    failRequest("--combine blend draws whole blocks; leave out --occlusion and --partition");
+          layer.volume->name, first.name);
+  return std::nullopt;
+}
+
+// Whether all layers have the level that is asked for, of what each shows.
+bool haveLevelAsked(const FrameOptions& options, const std::vector<LayerLook>& layers) {
+  const int asked = options.cut ? options.cut->level.value_or(0) : 0;
+  const PyramidLayout levels = layers.front().volume->step().layout();
+  return asked == 0 || std::ranges::all_of(layers, [&](const LayerLook& layer) {
+           const TimeStep step = layer.volume->step();
+           return asked < levelsInCommon(levels, step.layout()) &&
+                  (!layer.transfer->labels ||
+                   std::ranges::all_of(step.coarser, [](const CoarserStep& level) {
+                     return level.valuesShown() == LevelValues::kModes;
+                   }));
+         });
+}
+
+}  // namespace
+
+void requireBlendable(const LookArguments& look, const FrameOptions& options,
+                      const std::vector<LayerLook>& layers) {
+  if (look.combine != Combine::kBlend || layers.size() < 2) return;
+  if (const auto obstacle = blendObstacle(look, options, layers)) failRequest("{}", *obstacle);
+}
+
+Combine combineOf(const LookArguments& look, const FrameOptions& options,
+                  const std::vector<LayerLook>& layers) {
+  if (look.combine) return *look.combine;
+  const bool are_two = layers.size() == 2 && layers.back().volume->channel.is_over;
+  return are_two && !blendObstacle(look, options, layers) && haveLevelAsked(options, layers)
+             ? Combine::kBlend
+             : Combine::kAdd;
 }
 
 bool haveOneLayout(const IndexedVolume& a, const IndexedVolume& b) {

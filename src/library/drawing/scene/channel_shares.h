@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -38,9 +39,17 @@ FrameOptions frameOfLayer(const IndexedVolume& volume, const TransferFunction& t
 FrameOptions frameOfChannel(const LayerLook& channel, const std::vector<LayerLook>& channels,
                             Combine combine, const FrameOptions& frame);
 
-// Throws Error if a look blends the volumes and such frames of them cannot be blended.
+// The reason why such frames of volumes on these grids cannot be blended, in one line; nullopt if
+// they can be, as far as these tell.
+std::optional<std::string> blendObstacle(const LookArguments& look, const FrameOptions& options,
+                                         const std::vector<const VolumeLayout*>& grids);
+// Throws Error if a look asks for blending and such frames of the volumes cannot be blended.
 void requireBlendable(const LookArguments& look, const FrameOptions& options,
-                      const std::vector<const IndexedVolume*>& volumes);
+                      const std::vector<LayerLook>& layers);
+// How the pictures of these layers become one in such frames: as the look asks. Otherwise a volume
+// over another one is blended with it if that is possible, and all others are added.
+Combine combineOf(const LookArguments& look, const FrameOptions& options,
+                  const std::vector<LayerLook>& layers);
 // Whether the volumes' finest levels are cut into blocks alike.
 bool haveOneLayout(const IndexedVolume& a, const IndexedVolume& b);
 // Whether the pictures of all volumes can be of one cut: each is drawn from one, and they have more

@@ -27,8 +27,9 @@ Scene::Scene(SceneInputs inputs, const LookArguments& asked_look, const FrameOpt
   for (auto& further : inputs.more)
     more.push_back(std::make_unique<Layer>(std::move(further), machine));
   requireShown(asked, shownChannels());
-  requireBlendable(asked, frame);
+  requireBlendable(asked, frame, looks());
   for (Layer* layer : layers()) layer->look = lookFor(layer->volume, asked, frame.mode);
+  setCombining(frame);
   drawn_look = lookText();
   if (inputs.team != nullptr) {
     for (Layer* layer : layers())
@@ -115,25 +116,29 @@ void Scene::openSession(Layer& layer, Partition partition) {
   if (layer.share) layer.session->chooseBlocksBy(layer.share->chooserFrom(nullptr));
 }
 
-void Scene::setLook(const LookArguments& asked_look, Mode mode) {
+void Scene::setLook(const LookArguments& asked_look, const FrameOptions& frame) {
   // All looks are made before one is set, so that an invalid one leaves the scene as it was.
   std::vector<ChosenLook> chosen;
-  for (const Layer* layer : layers()) chosen.push_back(lookFor(layer->volume, asked_look, mode));
+  for (const Layer* layer : layers())
+    chosen.push_back(lookFor(layer->volume, asked_look, frame.mode));
   requireShown(asked_look, shownChannels());
-  FrameOptions frame;
-  frame.mode = mode;
-  requireBlendable(asked_look, frame);
+  requireBlendable(asked_look, frame, looks());
   asked = asked_look;
   for (size_t i = 0; i < chosen.size(); ++i) {
     Layer& layer = *layers()[i];
     layer.session->setTransferFunction(chosen[i].transfer);
     layer.look = std::move(chosen[i]);
   }
+  setCombining(frame);
   drawn_look = lookText();
 }
 
+void Scene::setCombining(const FrameOptions& frame) {
+  combine = combineOf(asked, frame, looks());
+}
+
 void Scene::setOptions(const FrameOptions& options) {
-  requireBlendable(asked, options);
+  requireBlendable(asked, options, looks());
   for (Layer* layer : layers()) layer->session->setOptions(optionsOf(*layer, options));
 }
 

@@ -119,10 +119,15 @@ struct Scene : Layer {
   // of them, a frame's plan and `more_bytes`. The contents of the earlier session are lost. Throws
   // Error if the memory is too little.
   void openSession(const FrameOptions& frame, const MoreBytes& more_bytes);
-  // Throws Error from a transfer function's file; the looks are the same then.
-  void setLook(const LookArguments& look, Mode mode);
+  // The look of frames like this one. Throws Error from a transfer function's file, or for layers
+  // that cannot be blended; the looks are the same then. The caller opens the session anew if
+  // blends() changes.
+  void setLook(const LookArguments& look, const FrameOptions& frame);
   // The options of frames from now on, with the light of the first layer's look.
   void setOptions(const FrameOptions& options);
+  // Chooses how the layers of such frames become one picture. The caller opens the session anew if
+  // blends() changes.
+  void setCombining(const FrameOptions& frame);
   // The time step that frames show from now on, and the one after the next frame: of each layer.
   void setTimeStep(const std::vector<TimeStep>& steps);
   void expectAfterwards(const std::vector<TimeStep>& steps);
@@ -198,7 +203,7 @@ struct Scene : Layer {
   std::vector<const Layer*> layers() const;
   std::vector<Layer*> layers();
   // Whether its layers are blended.
-  bool blends() const { return sluice::blends(asked.combine, 1 + more.size()); }
+  bool blends() const { return sluice::blends(combine, 1 + more.size()); }
   std::vector<const ShownChannel*> shownChannels() const;
   std::vector<LayerLook> looks() const;
   // "not 3; give one --channel", for messages about several layers.
@@ -211,6 +216,7 @@ struct Scene : Layer {
   const bool may_be_lit;
   const uint64_t memory_bytes;        // of all layers
   LookArguments asked;                // the look of all layers
+  Combine combine = Combine::kAdd;    // combineOf() the layers
   std::string drawn_look;             // lookOf() the frames that are drawn, for whoever keeps it
   uint64_t peak_anonymous_bytes = 0;  // at the calls of noteMemory()
   CompositingReport composited;       // with several ranks: of the last frame, all layers
@@ -228,8 +234,6 @@ struct Scene : Layer {
   uint64_t needOfMemory(const FrameOptions& frame, const MoreBytes& more_bytes,
                         uint64_t of_memory) const;
   void openSession(Layer& layer, Partition partition);
-  // The same of the layers, which the device has to draw.
-  void requireBlendable(const LookArguments& look, const FrameOptions& options) const;
   // The layer's next frame, composed.
   Frame nextFrame(Layer& layer);
   // The frame that `draw_own` draws. With several ranks, it draws the layer's share of it, and rank

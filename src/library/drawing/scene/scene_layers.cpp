@@ -125,7 +125,7 @@ FrameOptions Scene::optionsOf(const Layer& layer, const FrameOptions& options) c
   const auto all = layers();
   const auto place = static_cast<uint64_t>(std::ranges::find(all, &layer) - all.begin());
   FrameOptions own =
-      frameOfChannel({&layer.volume, &layer.look.transfer}, looks(), asked.combine, options);
+      frameOfChannel({&layer.volume, &layer.look.transfer}, looks(), combine, options);
   own.shades = layer.look.lit;
   if (look.flat_scale > 0) own.lighting.flat_share *= layer.look.flat_scale / look.flat_scale;
   // Waiting is shared out, unless all layers are drawn together.
@@ -142,12 +142,6 @@ std::vector<LayerLook> Scene::looks() const {
   std::vector<LayerLook> looks;
   for (const Layer* layer : layers()) looks.push_back({&layer->volume, &layer->look.transfer});
   return looks;
-}
-
-void Scene::requireBlendable(const LookArguments& asked_look, const FrameOptions& options) const {
-  std::vector<const IndexedVolume*> volumes;
-  for (const Layer* layer : layers()) volumes.push_back(&layer->volume);
-  sluice::requireBlendable(asked_look, options, volumes);
 }
 
 Frame Scene::drawBlended(std::vector<LayerFrame>& parts) {

@@ -40,12 +40,19 @@ std::string valueText(const ShownLook& look, double value) {
   return fmt::format("{:g} ({})", value, named->name);
 }
 
+bool blendsChannels(const LookOptions& look, const PictureOptions& picture,
+                    const ShownLook& shown) {
+  if (look.combine) return *look.combine == LookOptions::Combine::kBlend;
+  const PictureOptions::Lighting& light = picture.lighting;
+  return shown.blends && light.shadows.value_or(0) == 0 && light.occlusion.value_or(0) == 0;
+}
+
 bool takesSurface(const LookOptions& look, const ShownLook& shown) {
   // Surfaces are the first volume's, of one channel; they are not blended.
   const auto own = std::ranges::count_if(
       shown.channels, [](const ShownLook::Channel& channel) { return channel.channel != "over"; });
   return look.mode == LookOptions::Mode::kComposite && !shown.labels && own <= 1 &&
-         look.combine == LookOptions::Combine::kAdd && look.surfaces.size() < kMostSurfaces;
+         look.combine != LookOptions::Combine::kBlend && look.surfaces.size() < kMostSurfaces;
 }
 
 LookOptions withSurface(LookOptions look, std::array<double, 2> values) {

@@ -24,6 +24,9 @@ Rgb colorAt(const ShownLook& look, double value);
 // "3 (liver)" for a label that has a name, else the value as people write it.
 std::string valueText(const ShownLook& look, double value);
 
+// Whether the channels of a picture are blended as one medium.
+bool blendsChannels(const LookOptions& look, const PictureOptions& picture, const ShownLook& shown);
+
 // Whether another surface may be added to a picture with this look.
 bool takesSurface(const LookOptions& look, const ShownLook& shown);
 // One more surface: at the threshold if there is one, else in the middle of the values. Surfaces

@@ -77,7 +77,7 @@ void opacity(WindowState& window, const Channel& channel) {
 // Added up, or blended as one medium, which the CPU device draws in composite mode.
 void combining(WindowState& window) {
   const LookOptions& look = window.state().look;
-  bool blends = look.combine == LookOptions::Combine::kBlend;
+  bool blends = blendsChannels(look, window.state(), window.volume.look);
   const bool can_blend = look.mode == LookOptions::Mode::kComposite;
   ImGui::BeginDisabled(!can_blend && !blends);
   if (ImGui::Checkbox("one medium", &blends))
