@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <vector>
 
+#include "src/base/looks/channel_look.h"
 #include "src/options/option_entries.h"
 
 namespace sluice {
@@ -95,6 +97,10 @@ bool isBroken(const ValueRule& rule, const ViewState& state) {
   return value && *value != nothingOf(entry) && !rule.fits(state);
 }
 
+bool makesMixedLabels(const LookOptions& look, const LookOptions::Channel& channel) {
+  return look.mode != LookOptions::Mode::kComposite && makesLabels(channel.map);
+}
+
 }  // namespace
 
 std::span<const OptionPair> optionsApart() {
@@ -108,12 +114,18 @@ std::span<const OptionPair> optionNeeds() {
 std::optional<std::string> conflictIn(const ViewState& state) {
   for (const ValueRule& rule : kValueRules)
     if (isBroken(rule, state)) return fmt::format("{} {}", rule.option, rule.reason);
+  for (const LookOptions::Channel& channel : state.look.channels)
+    if (makesMixedLabels(state.look, channel))
+      return fmt::format("--look {} {}", textOf(channel), kMixed);
   return std::nullopt;
 }
 
 ViewState withoutConflicts(ViewState state) {
   for (const ValueRule& rule : kValueRules)
     if (isBroken(rule, state)) clearOption(rule.option, state);
+  std::erase_if(state.look.channels, [&](const LookOptions::Channel& channel) {
+    return makesMixedLabels(state.look, channel);
+  });
   return state;
 }
 

@@ -163,6 +163,28 @@ TEST_F(Over, labelsHaveTheirColours) {
   EXPECT_EQ(python("hues asked.png"), "0\n");
 }
 
+// Other modes mix the numbers of labels, so that colours would show that are nobody's.
+TEST_F(Over, labelsNeedAModeOfColours) {
+  std::ofstream(program_.folder.path() / "one.txt") << "1 255 0 0 1 1 1 \"one\"\n";
+  for (const char* mode : {"mip", "minip", "average", "attenuated-mip", "depth-mip"})
+    for (const char* look : {"over:labels", "over:labels,0.3", "over:one.txt", "0:labels"}) {
+      SCOPED_TRACE(std::string(mode) + " " + look);
+      for (const char* command : {"render -o no.png", "plan", "simulate"}) {
+        const CommandResult result = program_.run(fmt::format(
+            "{} scan.nrrd --over labels.nrrd --mode {} --look {}", command, mode, look));
+        EXPECT_EQ(result.status, 1);
+        EXPECT_EQ(result.output, fmt::format("sluice: --look {} needs --mode composite, since "
+                                             "other modes mix the numbers of labels\n",
+                                             look));
+      }
+    }
+  // Unasked, they are values there.
+  const std::string common = "scan.nrrd --over labels.nrrd --mode mip -o ";
+  render(common + "unasked.png");
+  render(common + "hot.png --look over:hot");
+  EXPECT_EQ(difference("unasked.png", "hot.png"), 0);
+}
+
 TEST_F(Over, labelsThatATableHidesStayHidden) {
   const auto write = [&](const char* name, const char* seven) {
     std::ofstream(program_.folder.path() / name)

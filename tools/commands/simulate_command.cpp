@@ -14,7 +14,9 @@
 #include "tools/command_line/console.h"
 #include "tools/commands/commands.h"
 #include "tools/options/idle_options.h"
+#include "tools/options/picture_checks.h"
 #include "tools/options/shared_options.h"
+#include "tools/options/view_arguments.h"
 #include "tools/outputs/simulation_output.h"
 #include "tools/pages/report_file.h"
 #include "tools/pages/simulation_page.h"
@@ -222,7 +224,11 @@ Command addSimulate(CLI::App& program) {
   addJsonOption(output, arguments->json);
   app->parse_complete_callback(
       [app, arguments, of_volumes] { checkArguments(*app, *arguments, of_volumes); });
-  return [arguments, app] {
+  return [arguments, app, asked] {
+    const TurnArguments& turned = arguments->turn;
+    const CullingArguments none;
+    checkPicture({turned.look, turned.frame, none, turned.resources},
+                 viewState(*asked, turned.volume, turned.look));
     arguments->turn.given = givenOptions(*app);
     arguments->turn.given.erase("--seed");  // --policies may have the random policy
     if (arguments->turn.resources.pages)

@@ -53,7 +53,7 @@ class TraceFile final : public ReplaySource {
     warnings_ = reader.warnings();
   }
   void checkSome(size_t count) const {
-    if (count == 0) fail("{}: the trace holds no requests; is it cut?", file_);
+    if (count == 0) fail("{}: the trace is empty: it holds no requests", file_);
   }
 
   const std::string file_;

@@ -23,6 +23,10 @@ inline constexpr std::string_view kLabelsMap = "labels";
 // Whether a map is the file of a table of labels: names of maps and colours have neither '.' nor
 // '/'.
 bool isLabelTable(std::string_view map);
+// Whether a map makes labels of values.
+inline bool makesLabels(std::string_view map) {
+  return map == kLabelsMap || isLabelTable(map);
+}
 
 // Whatever is not set follows from the file, or from the values.
 struct ChannelLook {

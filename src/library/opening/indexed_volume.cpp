@@ -255,7 +255,7 @@ ValueRange IndexedVolume::finiteRange() const {
 
 ChosenLook lookFor(const IndexedVolume& volume, const LookArguments& look, Mode mode) {
   return chooseLook(volume.source->layout(), volume.values,
-                    knownLookOfChannel(look, volume.channel, volume.values.counts), mode);
+                    knownLookOfChannel(look, volume.channel, volume.values.counts, mode), mode);
 }
 
 }  // namespace sluice

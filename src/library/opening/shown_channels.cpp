@@ -206,10 +206,6 @@ LookArguments sharedWithOver(const LookArguments& asked) {
   return look;
 }
 
-bool asksForLabels(const ChannelLook& look) {
-  return look.map == kLabelsMap || isLabelTable(look.map);
-}
-
 LookArguments labelsOfChannel(LookArguments look, const ShownChannel& channel,
                               const ChannelLook& own) {
   look.threshold.reset();
@@ -238,7 +234,8 @@ LookArguments lookOfChannel(const LookArguments& asked, const ShownChannel& chan
   LookArguments look = channel.is_over ? sharedWithOver(asked) : asked;
   look.channels.clear();
   if (!look.shade) look.no_shade = true;
-  if (own != nullptr && asksForLabels(*own)) return labelsOfChannel(std::move(look), channel, *own);
+  if (own != nullptr && makesLabels(own->map))
+    return labelsOfChannel(std::move(look), channel, *own);
   const bool is_own_map = own != nullptr && !own->map.empty();
   if (is_own_map) {
     requireColorMap(own->map, "--look " + channelLookText(*own));
@@ -257,10 +254,10 @@ LookArguments lookOfChannel(const LookArguments& asked, const ShownChannel& chan
 }
 
 LookArguments knownLookOfChannel(const LookArguments& asked, const ShownChannel& channel,
-                                 const ValueCounts& counts) {
+                                 const ValueCounts& counts, Mode mode) {
   LookArguments look = lookOfChannel(asked, channel);
   if (!channel.is_over || !look.map.empty() || look.labels) return look;
-  if (hasOpacities(look) || !areLabels(counts)) {
+  if (hasOpacities(look) || !traitsOf(mode).has_colors || !areLabels(counts)) {
     look.map = kOverMap;
     return look;
   }
@@ -276,7 +273,7 @@ ChannelLook wholeLook(const LookArguments& asked, const ShownChannel& channel) {
   ChannelLook own{.channel = channel.id(), .map = look.map};
   // Labels of all channels have options of their own.
   const ChannelLook* const given = ownLook(asked, channel);
-  if (given != nullptr && asksForLabels(*given)) own.map = given->map;
+  if (given != nullptr && makesLabels(given->map)) own.map = given->map;
   own.range = look.range;
   own.opacity = look.opacity;
   if (look.range && !look.labels && !hasOpacities(channel.is_over ? LookArguments() : asked))

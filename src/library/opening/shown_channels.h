@@ -59,9 +59,9 @@ bool looksLikeLabels(const ChannelSource& channel);
 // the first one, only its own look counts.
 LookArguments lookOfChannel(const LookArguments& asked, const ShownChannel& channel);
 // The same once the values are known: a volume over another one whose values are labels is drawn as
-// such unless a look or its file gives it a colour.
+// such unless a look or its file gives it a colour, or the mode mixes the numbers of labels.
 LookArguments knownLookOfChannel(const LookArguments& asked, const ShownChannel& channel,
-                                 const ValueCounts& counts);
+                                 const ValueCounts& counts, Mode mode);
 // The options that give the looks of these channels together again. `first`: of the first one,
 // whose options are among them if it looks like a volume of one channel.
 std::string lookOptions(const LookArguments& asked, const std::vector<const ShownChannel*>& shown,

@@ -23,12 +23,19 @@ int64_t pagesOfBlock(const IndexedVolume& volume, const PageGeometry& page) {
   return page.pagesOf(Vec3i{side, side, side});
 }
 
+// Whether the coarser levels hold labels, which other looks of them have no use for.
+bool holdsLabels(const IndexedVolume& volume) {
+  return std::ranges::any_of(volume.step().coarser, [](const CoarserStep& level) {
+    return level.valuesShown() == LevelValues::kModes;
+  });
+}
+
 // A level that is asked for is that of the first volume alone.
 std::optional<CutOptions> cutOfLayer(const IndexedVolume& volume, const TransferFunction& transfer,
                                      std::optional<CutOptions> cut) {
   if (!cut || !volume.channel.is_over) return cut;
   cut->level.reset();
-  if (transfer.labels) cut->is_default = true;
+  if (transfer.labels || holdsLabels(volume)) cut->is_default = true;
   return cut;
 }
 
