@@ -9,12 +9,17 @@
 namespace sluice::python {
 namespace {
 
-// The keyword of an option, or of a flag with the word that it stands for: "shade='off'".
+std::string valueOf(std::string_view word) {
+  if (word == "on") return "True";
+  return word == "off" ? "False" : fmt::format("'{}'", word);
+}
+
+// The keyword of an option, or of a flag with the value that it stands for: "shade=False".
 std::string keywordIn(std::string_view option) {
   for (const OptionEntry& entry : optionTable())
     for (size_t i = 0; i < entry.kind.flags.size(); ++i)
       if (entry.kind.flags[i] == option)
-        return fmt::format("{}='{}'", keywordOf(entry), entry.kind.words[i]);
+        return keywordOf(entry) + "=" + valueOf(entry.kind.words[i]);
   return keywordOf(option);
 }
 

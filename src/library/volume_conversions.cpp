@@ -64,6 +64,9 @@ void setOpen(VolumeArguments& arguments) {
 VolumeArguments volumeArguments(const std::vector<std::string>& paths,
                                 const VolumeOptions& options) {
   if (paths.empty()) failRequest("a volume of no files: name at least one");
+  if (options.time_steps && !options.dims)
+    failRequest("time_steps {}: describes a raw file together with dims, which is not given",
+                *options.time_steps);
   VolumeArguments arguments{.inputs = paths, .time = options.time, .asked = options};
   setOpen(arguments);
   if (!options.type.empty()) arguments.open.type = typeOf(paths.front(), options.type);

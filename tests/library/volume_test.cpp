@@ -59,6 +59,7 @@ TEST(Volume, optionsThatAreNoneThrow) {
       {{.spacing = {{1, kNan, 1}}}, "spacing"},
       {{.grid = "density"}, "density"},
       {{.channel = 3}, "channel"},
+      {{.time_steps = 2}, "time_steps 2: describes a raw file together with dims"},
       {{.time = 1}, "time"},
       {{.time = -1}, "time"},
       {{.memory_bytes = 1}, "memory"},

@@ -490,7 +490,7 @@ class Requests(unittest.TestCase):
             (dict(mode='minip', jitter=0.5), TypeError, '^jitter needs mode composite'),
             (dict(mode='average', depth_cueing=1), TypeError, '^depth_cueing needs mode composite'),
             (dict(shade=False, shadows=0.5, occlusion_light=True), TypeError,
-             "^shadows lights the picture; leave out shade='off'"),
+             "^shadows lights the picture; leave out shade=False"),
             (dict(modulate='yes'), TypeError, 'modulate: expected True or False'),
             (dict(max_bytes='20 K B'), ValueError, '^max_bytes: expected bytes'),
             (dict(pixel_error=0), ValueError, 'pixel_error'), (dict(depth='yes'), TypeError, 'depth')]:
