@@ -87,6 +87,20 @@ TEST(Series, aPlumeGrowsUnderOneLookAndOneCamera) {
   EXPECT_LT(last.top, 12) << "the last one fills the picture";
 }
 
+// The view is fitted to all steps, and the tables of the transfer function span the values of all.
+TEST(Series, aStepAloneIsThatOfARange) {
+  const Program program;
+  for (const char* look : {"--range 0,1 --threshold 0.3", "--range 0,0.5 --opacities 0.1:0,0.4:0.2",
+                           "--range 0,1 --threshold 0.3 --fit volume --depth-cueing", ""}) {
+    const std::string render = fmt::format(
+        "render synth:mixing,dims=40x40x40,type=f32,steps=4 --size 128 -q --force {} ", look);
+    ASSERT_EQ(program.run(render + "--time 1 -o one.png").status, 0);
+    ASSERT_EQ(program.run(render + "--time 1:2 -o s_%d.png").status, 0);
+    EXPECT_TRUE(readFile(program.folder / "one.png") == readFile(program.folder / "s_1.png"))
+        << look;
+  }
+}
+
 TEST(Series, stepsAreCountedFromZeroWhateverTheFilesNumbers) {
   const Program program;
   for (int step = 1001; step <= 1003; ++step)

@@ -154,7 +154,8 @@ int run(Arguments& arguments, CLI::App& app, Team* team) {
     sayAllAreThere(arguments, app);
     return 0;
   }
-  arguments.look.whole_series = isSeries(arguments) && !arguments.look.this_step;
+  arguments.look.whole_series = (isSeries(arguments) && !arguments.look.this_step) ||
+                                looksAtAllSteps(arguments.look, arguments.frame, arguments.fit);
   arguments.frame.cut = cutOf(arguments, team);
   checkLastStep(arguments);
   const Room room = arguments.annotate ? annotationRoom(arguments.frame.size) : Room{};

@@ -139,7 +139,8 @@ int run(const PlanArguments& asked, const CLI::App& app) {
   Workers pool(arguments.resources.threads);
   check(arguments);
   // Functions of opacity hold for one transfer function of all steps.
-  arguments.look.whole_series = arguments.culling.culling != Culling::kNone;
+  arguments.look.whole_series = arguments.culling.culling != Culling::kNone ||
+                                looksAtAllSteps(arguments.look, arguments.frame, arguments.fit);
   // A picture with a time limit is a row of pictures that get better.
   const bool refines = arguments.frame.time_limit_s && arguments.frame.cut;
   arguments.frame.cut =

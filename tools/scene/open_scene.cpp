@@ -185,4 +185,8 @@ Scene openScene(const VolumeArguments& volume, const LookArguments& look,
           frame};
 }
 
+bool looksAtAllSteps(const LookArguments& look, const FrameOptions& frame, FitChoice fit) {
+  return !look.this_step && (fitOf({frame.camera}, fit) == Fit::kVisible || colorsByDepth(frame));
+}
+
 }  // namespace sluice

@@ -62,4 +62,9 @@ Scene openScene(const VolumeArguments& volume, const LookArguments& look,
                 const Outputs& outputs = Outputs(), Team* team = nullptr,
                 FinestLevel finest = FinestLevel::kRead);
 
+// Whether a picture of one step of a series looks at all steps: its view is fitted to them. Then
+// its values have the range of all, as in a picture of several steps, of which tables and light
+// follow.
+bool looksAtAllSteps(const LookArguments& look, const FrameOptions& frame, FitChoice fit);
+
 }  // namespace sluice

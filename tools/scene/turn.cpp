@@ -241,6 +241,7 @@ class Turn final : public ReplaySource {
 std::vector<std::unique_ptr<ReplaySource>> openTurn(const TurnArguments& arguments,
                                                     const Outputs& outputs) {
   TurnArguments turn = arguments;
+  turn.look.whole_series = looksAtAllSteps(turn.look, turn.frame, turn.fit);
   turn.frame.cut = cutOptions(turn.resources, turn.look, turn.frame,
                               turn.frames == 1 ? PictureRow::kOne : PictureRow::kMore);
   const auto channels = std::make_shared<TurnedChannels>(turn, outputs);
