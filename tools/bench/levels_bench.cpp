@@ -31,7 +31,7 @@ FrameOptions optionsOf(const LevelsArguments& bench, const Scene& scene,
   FrameOptions options = bench.frame;
   options.cut = cut;
   const TimeStep step = scene.volume.step();
-  if (!bench.has_step) options.step_vox = scene.chosenStep(step, options);
+  if (!bench.has_step) options.step_vox = scene.chosenStep({step}, options);
   if (!cut || !bench.has_step) return options;
   const View view = resolve(options, step.source->layout());
   options.step_vox *= spacingOfLevel(step, finestLevelShown(step, view, *cut));

@@ -59,10 +59,11 @@ RefinedFrame drawRow(const RenderJob& job, const FrameOptions& options, const Ro
 
 // Sets the camera, and unless --step is given the distance of samples that suits it; and the line
 // that reproduces the look with that distance.
-void look(const RenderJob& job, const Camera& camera, FrameOptions& options) {
+void look(const RenderJob& job, const Camera& camera, const std::vector<TimeStep>& steps,
+          FrameOptions& options) {
   options.camera = camera;
   options.step_vox = job.arguments.frame.step_vox;
-  if (!job.has_step) options.step_vox = job.scene.chosenStep(job.scene.volume.step(), options);
+  if (!job.has_step) options.step_vox = job.scene.chosenStep(steps, options);
   job.scene.drawn_look = job.scene.lookOf(options, *job.arguments.asked);
 }
 
@@ -114,13 +115,18 @@ class Frames {
   // Tells the session and the series which frame comes, and which one next.
   void show(size_t at) {
     const Camera& camera = cameraOf(job_.cameras, job_.to_draw[at]);
-    // A turn keeps its distance, and with it the distance of samples.
-    if (arguments_.path_file.empty())
+    const bool is_series = isSeries(arguments_);
+    // A turn keeps its distance, and with it the distance of samples. Steps that keep thin parts
+    // may show other levels.
+    const bool keeps_thin = is_series && options_.cut && options_.cut->keeps_thin;
+    if (arguments_.path_file.empty() && !keeps_thin)
       options_.camera = camera;
     else
-      look(job_, camera, options_);
+      look(job_, camera,
+           is_series ? series_.steps(timeOf(arguments_, job_.to_draw[at])) : scene_.openedSteps(),
+           options_);
     scene_.setOptions(options_);
-    if (!isSeries(arguments_)) return;
+    if (!is_series) return;
     // The next step's blocks would take the room of those that the next strip needs again.
     const bool reads_ahead =
         arguments_.times && strips_.size() == 1 && at + 1 < job_.to_draw.size();
@@ -205,7 +211,7 @@ const Camera& cameraOf(const std::vector<Camera>& cameras, int64_t frame) {
 
 FrameOptions drawingOptions(const RenderJob& job) {
   FrameOptions options = job.arguments.frame;
-  look(job, job.cameras.front(), options);
+  look(job, job.cameras.front(), job.scene.openedSteps(), options);
   options.lighting.flat_share *= job.scene.look.flat_scale;
   options.count_samples = wantsReport(job.arguments);
   options.keep_phases = job.arguments.debug_view;

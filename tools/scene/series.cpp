@@ -178,7 +178,7 @@ Series::~Series() {
   if (culled_) scene_.chooseBlocksBy(nullptr);
 }
 
-std::vector<TimeStep> Series::steps(int64_t time) {
+const std::vector<TimeStep>& Series::steps(int64_t time) {
   // The step was made ready while the one before was drawn.
   if (!next_.empty() && next_.front().time == time) return next_;
   ProgressMeter progress;
@@ -190,7 +190,8 @@ std::vector<TimeStep> Series::steps(int64_t time) {
   });
   if (scene_.share && time != scene_.volume.time)
     expectSameStep(scene_.share->team(), scene_, steps);
-  return steps;
+  next_ = std::move(steps);
+  return next_;
 }
 
 void Series::show(int64_t time, std::optional<int64_t> next) {
@@ -198,8 +199,7 @@ void Series::show(int64_t time, std::optional<int64_t> next) {
   next_.clear();
   shown_ = time;
   if (!next) return;
-  next_ = steps(*next);
-  scene_.expectAfterwards(next_);
+  scene_.expectAfterwards(steps(*next));
 }
 
 nlohmann::json choiceJson(const CullingChoice& choice) {

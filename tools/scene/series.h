@@ -68,9 +68,10 @@ class Series {
   const std::optional<CullingChoice>& choice() const { return choice_; }
   const SeriesFunctions* functions() const { return functions_ ? &*functions_ : nullptr; }
 
+  // The step of each channel of the scene, kept until it is shown.
+  const std::vector<TimeStep>& steps(int64_t time);
+
  private:
-  // The step of each channel of the scene.
-  std::vector<TimeStep> steps(int64_t time);
   // Seconds that drawing a step takes either way.
   double secondsOf(int64_t time, bool culls);
   CullingChoice measure(std::span<const int64_t> times);

@@ -144,7 +144,7 @@ FrameOptions Drawing::looked(const PictureOptions& picture, const TimeStep& step
   // A cut may hold no more than the memory has room for.
   if (options.cut) options.cut->most_held_bytes = cutBytes(scene_.memory_bytes, PictureRow::kMore);
   if (!picture.step_vox) {
-    options.step_vox = scene_.chosenStep(step, options);
+    options.step_vox = scene_.chosenStep(stepsAt(step.time, pass), options);
     options.step_follows_cut =
         traitsOf(mode_).has_colors && drawsCut(step, options.cut, mode_, scene_.look.transfer);
   }

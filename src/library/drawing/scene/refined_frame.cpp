@@ -29,7 +29,6 @@ bool canRefine(const Scene& scene, const FrameOptions& options) {
 RefinedFrame drawRefined(Scene& scene, const FrameOptions& options, bool has_step,
                          Deadline::TimePoint began, std::optional<Deadline::TimePoint> until,
                          const std::function<void(const BetterPicture&)>& take) {
-  const TimeStep step = scene.volume.step();
   const std::vector<Layer*> layers = scene.layers();
   std::vector<LayerFrame> parts, of_last;
   RefinedPainter painter;
@@ -38,7 +37,7 @@ RefinedFrame drawRefined(Scene& scene, const FrameOptions& options, bool has_ste
     FrameOptions of_cut = options;
     of_cut.cut = cut;
     of_cut.time_limit_s.reset();  // the last picture is the one without a limit
-    return scene.chosenStep(step, of_cut);
+    return scene.chosenStep(scene.openedSteps(), of_cut);
   };
   painter.options_of = [&](size_t place, const FrameOptions& picture) {
     return scene.optionsOf(*layers[place], picture);

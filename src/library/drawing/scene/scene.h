@@ -134,8 +134,10 @@ struct Scene : Layer {
   // Blocks are chosen by this, or null by the classification; of several ranks each has its share.
   void chooseBlocksBy(BlockChooser* chooser);
   // The distance between slices, in voxels, of a picture for which nobody sets one: it follows from
-  // the view and from the finest level in the picture. `step`: of the first layer.
-  double chosenStep(const TimeStep& step, const FrameOptions& options) const;
+  // the view and from the finest level in the picture. `steps`: of each layer.
+  double chosenStep(const std::vector<TimeStep>& steps, const FrameOptions& options) const;
+  // The steps that the layers were opened for.
+  std::vector<TimeStep> openedSteps() const;
   // The options of `sluice render` that give the looks of all layers.
   std::string lookText() const;
   // The same for a frame, with its distance between slices, and with the options of its light that

@@ -45,16 +45,23 @@ double chosenStepOf(const Scene& scene, const Layer& layer, const TimeStep& step
 
 }  // namespace
 
-double Scene::chosenStep(const TimeStep& step, const FrameOptions& options) const {
+std::vector<TimeStep> Scene::openedSteps() const {
+  std::vector<TimeStep> steps;
+  for (const Layer* layer : layers()) steps.push_back(layer->volume.step());
+  return steps;
+}
+
+double Scene::chosenStep(const std::vector<TimeStep>& steps, const FrameOptions& options) const {
   if (!traitsOf(options.mode).has_colors) return options.step_vox;
   const VolumeLayout& first = volume.source->layout();
   const View view = resolve(options, first);
-  double least = chosenStepOf(*this, *this, step, view, optionsOf(*this, options));
-  for (const auto& layer : more) {
+  double least = chosenStepOf(*this, *this, steps.front(), view, optionsOf(*this, options));
+  for (size_t i = 0; i < more.size(); ++i) {
+    const auto& layer = more[i];
     const VolumeLayout& layout = layer->volume.source->layout();
     const FrameOptions own = optionsOf(*layer, options);
     const View own_view = resolve(own, layout);
-    const double own_step = chosenStepOf(*this, *layer, layer->volume.step(), own_view, own);
+    const double own_step = chosenStepOf(*this, *layer, steps[i + 1], own_view, own);
     // One distance for all layers: the finest one that any of them needs, in the first volume's
     // voxels.
     least = std::min(least, stepOn(first, layout, own_step));
