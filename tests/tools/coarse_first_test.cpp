@@ -3,7 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -256,6 +258,31 @@ TEST_F(CoarseFirst, aRowWithoutNumbersReplacesItsPicture) {
   const auto replaced = picture().rgba;
   render("--pixel-error 0.5");
   EXPECT_EQ(replaced, picture().rgba);
+}
+
+// Levels of a store that others wrote have no spreads: unasked, they are not drawn.
+TEST_F(CoarseFirst, aRowEndsWithThePictureThatIsDrawnUnasked) {
+  std::filesystem::remove_all(program_.folder / "v.zarr/spread");
+  std::string attributes = readFile(program_.folder / "v.zarr/.zattrs");
+  attributes.replace(attributes.find("spreads"), 7, "nothing");
+  writeFile(program_.folder / "v.zarr/.zattrs", attributes);
+  render("--pixel-error 1");  // makes the index
+  const auto without = [&](const char* more) {
+    render(more);
+    return picture().rgba;
+  };
+  for (const char* more : {"", "--quality high", "--zoom 0.3 --quality normal"}) {
+    SCOPED_TRACE(more);
+    const auto expected = without(more);
+    const json report = render(std::string("--progressive ") + more);
+    EXPECT_EQ(report["frames"][0]["pictures"].back()["cut"]["final"], true);
+    const auto drawn = picture().rgba;
+    ASSERT_EQ(drawn.size(), expected.size());
+    int most = 0;
+    for (size_t i = 0; i < drawn.size(); ++i)
+      most = std::max(most, std::abs(drawn[i] - expected[i]));
+    EXPECT_LE(most, 1);
+  }
 }
 
 TEST_F(CoarseFirst, aRowReachesLevelZeroWithoutWaitingForItsIndex) {

@@ -33,7 +33,7 @@ void warnOfIdleOptions(const Arguments& arguments, const std::set<std::string>& 
   const auto layers = scene.layers();
   facts.is_film = isFilmName(arguments.output);
   facts.is_lit = std::ranges::any_of(layers, [](const Layer* each) { return each->look.lit; });
-  facts.integrates = scene.integrates(arguments.frame);
+  facts.integrates = scene.integrates(lastOptions(scene, arguments.frame, arguments.end));
   for (const std::string& line : idleOptions(given, facts))
     printWarning(fmt::format("{}: {}", scene.volume.name, line));
 }
@@ -156,6 +156,8 @@ int run(Arguments& arguments, CLI::App& app, Team* team) {
   }
   arguments.look.whole_series = (isSeries(arguments) && !arguments.look.this_step) ||
                                 looksAtAllSteps(arguments.look, arguments.frame, arguments.fit);
+  const bool is_unasked = arguments.frame.cut && arguments.frame.cut->is_default;
+  arguments.end = is_unasked ? RowEnd::kUnasked : RowEnd::kCut;
   arguments.frame.cut = cutOf(arguments, team);
   checkLastStep(arguments);
   const Room room = arguments.annotate ? annotationRoom(arguments.frame.size) : Room{};

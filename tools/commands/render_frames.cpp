@@ -52,7 +52,8 @@ RefinedFrame drawRow(const RenderJob& job, const FrameOptions& options, const Ro
   };
   FrameOptions uncounted = options;
   if (options.time_limit_s) uncounted.count_samples = false;  // takes time of its own
-  RefinedFrame frame = drawRefined(job.scene, uncounted, job.has_step, row.began, row.until, take);
+  RefinedFrame frame = drawRefined(job.scene, uncounted, job.has_step, job.arguments.end, row.began,
+                                   row.until, take);
   frame.pictures.insert(frame.pictures.begin(), row.earlier.begin(), row.earlier.end());
   return frame;
 }
@@ -63,8 +64,9 @@ void look(const RenderJob& job, const Camera& camera, const std::vector<TimeStep
           FrameOptions& options) {
   options.camera = camera;
   options.step_vox = job.arguments.frame.step_vox;
-  if (!job.has_step) options.step_vox = job.scene.chosenStep(steps, options);
-  job.scene.drawn_look = job.scene.lookOf(options, *job.arguments.asked);
+  const auto last = [&] { return lastOptions(job.scene, options, job.arguments.end); };
+  if (!job.has_step) options.step_vox = job.scene.chosenStep(steps, last());
+  job.scene.drawn_look = job.scene.lookOf(last(), *job.arguments.asked);
 }
 
 // The frames of a job, and what was drawn of them so far.

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "src/base/files/numbered_name.h"
+#include "src/library/drawing/scene/refined_frame.h"
 #include "src/library/drawing/view_fit.h"
 #include "tools/options/arguments.h"
 #include "tools/options/table_options.h"
@@ -18,6 +19,7 @@ struct RenderArguments {
   VolumeArguments volume;
   LookArguments look;
   FrameOptions frame;
+  RowEnd end = RowEnd::kCut;  // of a row of pictures that get better
   ResourceArguments resources;
   FitChoice fit;
   AskedView asked;

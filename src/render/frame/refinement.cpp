@@ -42,6 +42,11 @@ std::vector<CutOptions> cutsTo(const CutOptions& last, int levels, int named) {
   return cuts;
 }
 
+bool isFinest(const VisibleBlocks& blocks) {
+  return std::ranges::all_of(blocks.cut->levels,
+                             [](const CutSummary::Level& level) { return level.level == 0; });
+}
+
 uint64_t voxelBytes(const VisibleBlocks& blocks, const TimeStep& step) {
   const PyramidLayout pyramid = step.layout();
   const VoxelType type = step.source->layout().type;
@@ -90,15 +95,26 @@ void Refinement::chooseAsBefore() {
 }
 
 Refinement::Planned Refinement::plan(const CutOptions& cut, const double* growth) {
+  const bool is_last = tried_ + 1 == cuts_.size();
+  const auto endsUncut = [&](const std::unique_ptr<Layer>& layer) {
+    return is_last && layer->of.ends_uncut;
+  };
+  const bool any_uncut = std::ranges::any_of(layers_, endsUncut);
   Planned planned;
   planned.options = frame_;
   planned.options.time_limit_s.reset();
-  planned.options.cut = cut;
+  if (any_uncut)
+    planned.options.cut.reset();
+  else
+    planned.options.cut = cut;
   // Slices follow the cut, so that a coarse picture takes few samples.
-  planned.options.step_vox = painter_.step_of(cut);
+  planned.options.step_vox = painter_.step_of(planned.options.cut);
+  FrameOptions with_cut = planned.options;
+  with_cut.cut = cut;
   for (size_t i = 0; i < layers_.size(); ++i) {
     Part& part = planned.parts.emplace_back();
-    part.options = painter_.options_of(i, planned.options);
+    part.options = painter_.options_of(i, with_cut);
+    if (endsUncut(layers_[i]) || (any_uncut && painter_.is_one_medium)) part.options.cut.reset();
   }
   choose(planned);
   if (growth == nullptr) return planned;
@@ -107,7 +123,7 @@ Refinement::Planned Refinement::plan(const CutOptions& cut, const double* growth
     const Layer& layer = *layers_[i];
     Part& part = planned.parts[i];
     // A layer that reads no more than for the last picture needs no limit.
-    if (!layer.has_cut || part.bytes <= layer.bytes) continue;
+    if (part.blocks == nullptr || part.bytes <= layer.bytes) continue;
     const auto more = static_cast<double>(part.bytes - layer.bytes);
     uint64_t& most = part.options.cut->most_stored_bytes;
     // Each layer gets the same share of what it would grow by.
@@ -124,8 +140,8 @@ void Refinement::choose(Planned& planned) {
   std::vector<BlockQuestion> questions;
   for (size_t i = 0; i < layers_.size(); ++i) {
     Layer& layer = *layers_[i];
-    if (!layer.has_cut) continue;
     const FrameOptions& options = planned.parts[i].options;
+    if (!layer.has_cut || !options.cut) continue;
     const VolumeLayout& layout = layer.of.step.source->layout();
     const View view = resolve(options, layout);
     questions.push_back(
@@ -148,8 +164,14 @@ void Refinement::choose(Planned& planned) {
 }
 
 bool Refinement::showsAsLast(const Planned& planned) const {
-  for (size_t i = 0; i < layers_.size(); ++i)
-    if (planned.parts[i].blocks != layers_[i]->blocks) return false;
+  for (size_t i = 0; i < layers_.size(); ++i) {
+    const VisibleBlocksPtr &now = planned.parts[i].blocks, &before = layers_[i]->blocks;
+    // Without a cut, the finest level looks the same but for samples and light that look around.
+    const FrameOptions& options = planned.parts[i].options;
+    const bool is_finest = now == nullptr && before != nullptr && !options.integrates &&
+                           !options.lighting.looksAround() && isFinest(*before);
+    if (now != before && !is_finest) return false;
+  }
   return true;
 }
 

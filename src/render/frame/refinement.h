@@ -28,12 +28,14 @@ struct RefinedLayer {
   Session& session;
   TimeStep step;  // the session's
   const TransferFunction& transfer;
+  // The last picture shows its finest level without a cut: nobody asked for one but the row.
+  bool ends_uncut = false;
 };
 
 // How the layers become one picture.
 struct RefinedPainter {
-  // The distance between slices for a cut.
-  std::function<double(const CutOptions&)> step_of;
+  // The distance between slices for a cut, or without one.
+  std::function<double(const std::optional<CutOptions>&)> step_of;
   // The options of a layer, by its place, for a picture with these options.
   std::function<FrameOptions(size_t, const FrameOptions&)> options_of;
   // The layers are one medium, of which all are drawn from one cut (LevelCut::chooseTogether());
@@ -68,7 +70,7 @@ class Refinement {
   struct Part : BlockChooser {
     VisibleBlocksPtr choose(const BlockQuestion& /*question*/) override { return blocks; }
     FrameOptions options;
-    VisibleBlocksPtr blocks;  // null: the layer has no cut
+    VisibleBlocksPtr blocks;  // null: the layer is drawn without a cut
     uint64_t bytes = 0;       // their voxels
   };
   struct Planned {

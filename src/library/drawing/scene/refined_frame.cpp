@@ -17,7 +17,33 @@ void willImprove(FrameReport& report, std::vector<LayerFrame>& parts) {
     if (part.report.cut) part.report.cut->is_final = false;
 }
 
+// Whether pictures may be drawn from the coarser levels unasked.
+bool showAsFinest(const TimeStep& step) {
+  return std::ranges::all_of(step.coarser, [](const CoarserStep& level) {
+    return showsAsFinest(level.valuesShown(), level.spreads != nullptr);
+  });
+}
+
+// A picture without a cut is one of the finest level.
+void noteFinest(Frame& frame, LayerFrame& first) {
+  if (frame.report.cut || frame.blocks == nullptr) return;
+  CutSummary cut;
+  const auto& blocks = frame.blocks->blocks;
+  CutSummary::Level level{.level = 0, .blocks = static_cast<int64_t>(blocks.size())};
+  for (const ObjectBlock& block : blocks) level.cells += block.cells.count();
+  if (!blocks.empty()) cut.levels.push_back(level);
+  frame.report.cut = cut;
+  first.report.cut = cut;
+}
+
 }  // namespace
+
+FrameOptions lastOptions(const Scene& scene, FrameOptions options, RowEnd end) {
+  const auto asFinest = [](const Layer* layer) { return showAsFinest(layer->volume.step()); };
+  if (end == RowEnd::kUnasked && !std::ranges::all_of(scene.layers(), asFinest))
+    options.cut.reset();
+  return options;
+}
 
 bool canRefine(const Scene& scene, const FrameOptions& options) {
   return std::ranges::any_of(scene.layers(), [&](const Layer* layer) {
@@ -26,13 +52,13 @@ bool canRefine(const Scene& scene, const FrameOptions& options) {
   });
 }
 
-RefinedFrame drawRefined(Scene& scene, const FrameOptions& options, bool has_step,
+RefinedFrame drawRefined(Scene& scene, const FrameOptions& options, bool has_step, RowEnd end,
                          Deadline::TimePoint began, std::optional<Deadline::TimePoint> until,
                          const std::function<void(const BetterPicture&)>& take) {
   const std::vector<Layer*> layers = scene.layers();
   std::vector<LayerFrame> parts, of_last;
   RefinedPainter painter;
-  painter.step_of = [&](const CutOptions& cut) {
+  painter.step_of = [&](const std::optional<CutOptions>& cut) {
     if (has_step) return options.step_vox;
     FrameOptions of_cut = options;
     of_cut.cut = cut;
@@ -47,13 +73,15 @@ RefinedFrame drawRefined(Scene& scene, const FrameOptions& options, bool has_ste
   std::vector<RefinedLayer> volumes;
   volumes.reserve(layers.size());
   for (Layer* layer : layers)
-    volumes.push_back({*layer->session, layer->volume.step(), layer->look.transfer});
+    volumes.push_back({*layer->session, layer->volume.step(), layer->look.transfer,
+                       end == RowEnd::kUnasked && !showAsFinest(layer->volume.step())});
   Refinement row(volumes, std::move(painter), options, until, scene.pool);
   RefinedFrame refined;
   std::optional<Frame> last;
   for (int number = 0;; ++number) {
     std::optional<Frame> frame = row.next();
     if (!frame) break;
+    noteFinest(*frame, parts.front());
     of_last = parts;
     if (last) scene.device->reuse(std::move(last->picture));
     last = std::move(frame);
