@@ -33,6 +33,7 @@
 #include "io/zarr/n5/n5_volume.h"
 #include "io/zarr/reading/zarr_source.h"
 #include "src/base/error.h"
+#include "src/base/sources/volume_source.h"
 
 namespace sluice {
 namespace {
@@ -107,7 +108,8 @@ Source openRawOrSlices(const NamedInput& input, const OpenOptions& options) {
 
 // Raw files each of which has the bytes of one slice of --dims.
 Source joinRawSlices(const std::vector<std::string>& files, const OpenOptions& options) {
-  if (!options.dims || !options.type || static_cast<size_t>(options.dims->z) != files.size())
+  if (!options.dims || !options.type || !isCountable(*options.dims) ||
+      static_cast<size_t>(options.dims->z) != files.size())
     return nullptr;
   std::error_code unknown;
   const auto slice_bytes =

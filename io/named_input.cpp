@@ -9,6 +9,7 @@
 #include "io/stores/folder_store.h"
 #include "io/stores/zip_store.h"
 #include "io/synth/synth_source.h"
+#include "io/web/address.h"
 #include "io/web/web_place.h"
 #include "src/base/error.h"
 
@@ -29,8 +30,8 @@ void refuseOtherScheme(const std::string& name) {
     return;
   std::error_code none;
   if (fs::exists(name.substr(0, end + 1), none)) return;
-  fail("{}: expected an address that begins with http://, https:// or s3://, found {}", name,
-       name.substr(0, end + 3));
+  fail("{}: expected an address that begins with http://, https:// or s3://, found {}",
+       withoutSecrets(name), name.substr(0, end + 3));
 }
 
 }  // namespace

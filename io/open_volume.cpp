@@ -84,8 +84,8 @@ std::vector<std::filesystem::path> filesOfSteps(VolumeSource& source) {
 }  // namespace
 
 std::optional<std::string> missingStep(VolumeSource& source, int64_t time) {
-  const int64_t beyond = std::max<int64_t>(0, time + 1 - source.layout().time_steps);
-  const auto file = missingFile(filesOfSteps(source), beyond);
+  const int64_t steps = source.layout().time_steps;
+  const auto file = missingFile(filesOfSteps(source), time < steps ? 0 : time - steps + 1);
   return file ? std::optional(file->string()) : std::nullopt;
 }
 

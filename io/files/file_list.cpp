@@ -314,7 +314,10 @@ std::optional<std::filesystem::path> missingFile(const std::vector<std::filesyst
   const std::vector<int64_t>& numbers = found->numbers;
   int64_t step = std::numeric_limits<int64_t>::max();
   for (size_t i = 1; i < numbers.size(); ++i) step = std::min(step, numbers[i] - numbers[i - 1]);
-  int64_t wanted = numbers.back() + count * step;
+  int64_t wanted = 0;
+  if (__builtin_mul_overflow(count, step, &wanted) ||
+      __builtin_add_overflow(numbers.back(), wanted, &wanted))
+    wanted = numbers.back();  // no file has such a number
   for (size_t i = numbers.size() - 1; i > 0; --i)
     if (numbers[i] - numbers[i - 1] > step) wanted = numbers[i - 1] + step;
   if (wanted == numbers.back()) return std::nullopt;

@@ -84,7 +84,9 @@ class BdvParser {
   void addTimes(int64_t first, int64_t last, int64_t step) {
     if (step < 1 || last < first || (last - first) / step >= kMostTimes)
       fail("{}: expected 1 to {} time points, found {} to {}", path_, kMostTimes, first, last);
-    for (int64_t time = first; time <= last; time += step) image_.times.push_back(time);
+    // Counted, since a time beyond the last one may not fit into the type.
+    const int64_t count = (last - first) / step + 1;
+    for (int64_t i = 0; i < count; ++i) image_.times.push_back(first + i * step);
     if (static_cast<int64_t>(image_.times.size()) > kMostTimes)
       fail("{}: expected at most {} time points, found more", path_, kMostTimes);
   }

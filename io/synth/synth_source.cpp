@@ -111,6 +111,8 @@ void validate(const SynthOptions& options) {
   if (options.time_steps < 1 || options.time_steps > most_steps)
     fail("{}: expected 1 to {} time steps of {}, found {}", spec, most_steps, name(options.kind),
          options.time_steps);
+  if (volume(options.dims) > kMostVolumeVoxels / options.time_steps)
+    fail("{}: expected at most 2^59 voxels in all time steps together", spec);
   constexpr int64_t kMostLevels = 32;
   if (options.levels < 1 || options.levels > kMostLevels)
     fail("{}: expected 1 to {} levels, found {}", spec, kMostLevels, options.levels);

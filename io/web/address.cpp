@@ -82,8 +82,10 @@ std::string printedAddress(const Address& address) {
 }
 
 std::string withoutSecrets(const std::string& name) {
-  const std::string_view scheme = schemeOf(name);
-  if (scheme.empty()) return name;
+  // Of any scheme, also of those that are refused.
+  const size_t end = name.find("://");
+  if (end == name.npos) return name;
+  const std::string_view scheme = std::string_view(name).substr(0, end + 3);
   std::string_view rest = std::string_view(name).substr(scheme.size());
   rest = rest.substr(0, rest.find_first_of("?#"));
   const size_t path = std::min(rest.find('/'), rest.size());

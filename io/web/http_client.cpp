@@ -82,6 +82,10 @@ std::string faultOf(CURLcode code, const char* text) {
   }
 }
 
+HttpEnd noMemory() {
+  return {"there is no memory for the request", true};
+}
+
 }  // namespace
 
 void takeHeaderLine(std::string_view line, HttpHead& head) {
@@ -182,8 +186,9 @@ HttpEnd HttpClient::get(const HttpGet& request, const StopToken& stop) {
   return transfer.end;
 }
 
-void HttpClient::begin(Transfer& transfer) {
+bool HttpClient::begin(Transfer& transfer) {
   CURL* const easy = transfer.easy = curl_easy_init();
+  if (easy == nullptr) return false;
   const HttpGet& request = transfer.request;
   curl_easy_setopt(easy, CURLOPT_URL, request.url.c_str());
   if (!request.range.empty()) curl_easy_setopt(easy, CURLOPT_RANGE, request.range.c_str());
@@ -221,7 +226,7 @@ void HttpClient::begin(Transfer& transfer) {
     addHeader((isEntityTag(request.known_stamp) ? "If-None-Match: " : "If-Modified-Since: ") +
               request.known_stamp);
   curl_easy_setopt(easy, CURLOPT_HTTPHEADER, transfer.headers);
-  curl_multi_add_handle(multi_, easy);
+  return curl_multi_add_handle(multi_, easy) == CURLM_OK;
 }
 
 std::optional<HttpEnd> HttpClient::follow(Transfer& transfer) {
@@ -241,7 +246,7 @@ std::optional<HttpEnd> HttpClient::follow(Transfer& transfer) {
   transfer.head = {};
   curl_multi_remove_handle(multi_, transfer.easy);
   curl_easy_setopt(transfer.easy, CURLOPT_URL, transfer.url.c_str());
-  curl_multi_add_handle(multi_, transfer.easy);
+  if (curl_multi_add_handle(multi_, transfer.easy) != CURLM_OK) return noMemory();
   return std::nullopt;
 }
 
@@ -268,8 +273,11 @@ void HttpClient::run() {
       for (Transfer* transfer : going)
         if (transfer->is_stopped) stopped.push_back(transfer);
     }
-    for (Transfer* transfer : fresh) begin(*transfer);
-    going.insert(going.end(), fresh.begin(), fresh.end());
+    for (Transfer* transfer : fresh)
+      if (begin(*transfer))
+        going.push_back(transfer);
+      else
+        finish(*transfer, noMemory());
     for (Transfer* transfer : stopped) {
       std::erase(going, transfer);
       finish(*transfer, {"stopped", false});

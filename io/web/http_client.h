@@ -72,7 +72,8 @@ class HttpClient {
  private:
   struct Transfer;
   void run();
-  void begin(Transfer& transfer);
+  // False if libcurl has no memory for it.
+  bool begin(Transfer& transfer);
   // Asks again where a redirect leads. Returns the end instead if it leads to another server.
   std::optional<HttpEnd> follow(Transfer& transfer);
   void finish(Transfer& transfer, HttpEnd end);

@@ -172,6 +172,9 @@ TEST_F(WebPlan, neverPrintsAPassword) {
           "info" + volume + "--time 3", "info" + volume + "--channel 1,2",
           "render" + volume + "--force -q --size 40 --pixel-error 2 -o a.png --report r.json",
           "render" + volume + "--force --size 40 -o a.exr --json && cat r.json a.exr",
+          "render synth:phantom,dims=16x16x16 --over" + volume +
+              "--force -q --size 40 -o a.png --report r.json; cat r.json",
+          "bench skipping" + volume + "--frames 1 --size 40 --json",
           "plan" + volume + "--culling toc", "fetch" + volume, "fetch --json --force" + volume}) {
       SCOPED_TRACE(line);
       EXPECT_THAT(program_.run(line).output,

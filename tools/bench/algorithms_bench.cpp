@@ -6,6 +6,7 @@
 #include <array>
 
 #include "cache/simulate/cost_model.h"
+#include "io/web/address.h"
 #include "src/base/error.h"
 #include "tools/bench/bench.h"
 #include "tools/command_line/console.h"
@@ -77,7 +78,7 @@ nlohmann::json rowOf(const BenchArguments& bench, const std::string& word) {
   Scene scene =
       openScene({{file}, bench.volume.open, bench.volume.time}, look, bench.resources, bench.frame);
   nlohmann::json row{
-      {"volume", file},
+      {"volume", withoutSecrets(file)},
       {"threshold", threshold ? nlohmann::json(*threshold) : nlohmann::json()},
       {"empty_percent", emptyPercent(scene.volume, scene.look.transfer, bench.volume.time)}};
   const auto page_bytes = static_cast<uint64_t>(scene.page.pageBytes());

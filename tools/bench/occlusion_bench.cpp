@@ -9,6 +9,7 @@
 #include <array>
 #include <vector>
 
+#include "io/web/address.h"
 #include "src/classify/transfer/transfer_makers.h"
 #include "src/render/frame/frame_run.h"
 #include "tools/bench/bench.h"
@@ -115,7 +116,7 @@ json rowOf(const OcclusionBench& bench, const std::string& word) {
   if (look.transfer_file.empty() && !look.opacity)
     session.setTransferFunction(scaleOpacity(scene.look.transfer, kSurfaceFactor));
   session.forgetLastFrame(scheduleOf(bench));
-  json row{{"volume", file}, {"threshold", threshold ? json(*threshold) : json()}};
+  json row{{"volume", withoutSecrets(file)}, {"threshold", threshold ? json(*threshold) : json()}};
   const auto speeds = speedsOf(session, bench.frame, bench.frames);
   std::array<FrameReport, kWays.size()> counted;
   for (size_t way = 0; way < kWays.size(); ++way) {

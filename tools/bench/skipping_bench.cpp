@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 
+#include "io/web/address.h"
 #include "tools/bench/bench.h"
 #include "tools/command_line/console.h"
 #include "tools/scene/open_scene.h"
@@ -36,7 +37,7 @@ nlohmann::json skippingRow(const BenchArguments& bench, const std::string& word)
   boxes.partition = Partition::kBoxes;
   Scene scene =
       openScene({{file}, bench.volume.open, bench.volume.time}, look, bench.resources, boxes);
-  nlohmann::json row{{"volume", file},
+  nlohmann::json row{{"volume", withoutSecrets(file)},
                      {"threshold", threshold ? nlohmann::json(*threshold) : nlohmann::json()}};
   std::array<std::vector<double>, kSkippingWays.size()> seconds;
   for (int i = 1 - kWarmFrames; i < bench.frames; ++i)

@@ -321,13 +321,14 @@ json optionsJson(const CLI::App& app) {
       options[name] = option->get_default_str();
     } else if (option->get_expected_max() == 0) {
       options[name] = true;
-    } else if (option->results().size() == 1 && name != "volume") {
-      options[name] = option->results().front();
     } else {
       std::vector<std::string> words = option->results();
       // Addresses may hold a password or a signature, and reports are passed on.
       for (std::string& word : words) word = withoutSecrets(word);
-      options[name] = std::move(words);
+      if (words.size() == 1 && name != "volume")
+        options[name] = words.front();
+      else
+        options[name] = std::move(words);
     }
   }
   return options;

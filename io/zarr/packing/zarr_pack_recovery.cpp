@@ -74,7 +74,8 @@ void ZarrPackFolder::checkParameters(const std::string& source_identity,
     if (found == text) return;
     // Damaged by a power cut, it may be no JSON.
     const nlohmann::json theirs = nlohmann::json::parse(found, nullptr, false);
-    reason = !theirs.is_object() || theirs.value("source", "") == ours["source"]
+    const auto source = theirs.is_object() ? theirs.find("source") : theirs.end();
+    reason = source == theirs.end() || *source == ours["source"]
                  ? "with other options"
                  : "of another volume, or of this one before it changed";
   } else {

@@ -117,6 +117,7 @@ TEST(MissingFile, isTheFirstBetweenOthersElseOneBehind) {
   EXPECT_EQ(missing({"a.raw", "b.raw", "c.raw"}), "");
   EXPECT_EQ(missing({"s_1.raw", "t_2.raw", "s_3.raw"}), "");
   EXPECT_EQ(missing({"s_1.raw"}), "");
+  EXPECT_EQ(missing({"s_8.raw", "s_9.raw"}, INT64_MAX), "");
 }
 
 TEST(GapNote, namesWhatIsMissing) {

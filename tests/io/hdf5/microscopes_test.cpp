@@ -95,21 +95,27 @@ TEST_F(Microscopes, wrongFilesAreOneLine) {
     EXPECT_THAT(errorOfChanged(change.first, change.second), HasSubstr(said));
 }
 
-TEST(BdvXml, timePointsMayBeAPattern) {
+BdvImage imageOfPattern(const std::string& pattern) {
   const std::string text =
       "<SpimData><SequenceDescription><ImageLoader format='bdv.n5'><n5>a.n5</n5></ImageLoader>"
       "<ViewSetups><ViewSetup><id>4</id></ViewSetup></ViewSetups><Timepoints type='pattern'>"
-      "<integerpattern>7, 1-3, 10-20:5</integerpattern></Timepoints></SequenceDescription>"
-      "</SpimData>";
-  const BdvImage image = parseBdvXml(
+      "<integerpattern>" +
+      pattern + "</integerpattern></Timepoints></SequenceDescription></SpimData>";
+  return parseBdvXml(
       [&](uint64_t offset, std::span<std::byte> out) {
         const std::string part = text.substr(std::min<size_t>(offset, text.size()), out.size());
         std::memcpy(out.data(), part.data(), part.size());
         return part.size();
       },
       "v.xml");
+}
+
+TEST(BdvXml, timePointsMayBeAPattern) {
+  const BdvImage image = imageOfPattern("7, 1-3, 10-20:5");
   EXPECT_THAT(image.times, ElementsAre(1, 2, 3, 7, 10, 15, 20));
   EXPECT_EQ(image.setups[0].id, 4);
+  // The time after it does not fit into its type.
+  EXPECT_THAT(imageOfPattern("9223372036854775807").times, ElementsAre(INT64_MAX));
 }
 
 }  // namespace
