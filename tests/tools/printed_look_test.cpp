@@ -97,6 +97,7 @@ TEST_F(PrintedLook, givesTheLightThatTheUserChose) {
   }
   for (const char* settings : {"--labels --shadows", "--labels-table t.ctbl --light 40,40",
                                "--labels-table t.ctbl --opacity 0.3", "--label 1=red --jitter",
+                               "--labels --modulate --full-gradient 0.3 --range 1,2",
                                "--look 0:t.ctbl,0.5", "--look 0:labels --shade --ambient 0.6"}) {
     SCOPED_TRACE(settings);
     look(kLabels, settings);

@@ -293,6 +293,8 @@ class Chooser {
     // A volume of one value is flat, whatever the unit.
     const double unit = range_.hi > range_.lo ? range_.hi - range_.lo : 1;
     chosen_.transfer = modulateByGradient(std::move(chosen_.transfer), look_.full_gradient * unit);
+    // Labels have no use for the range, but the gradients are a share of it.
+    if (look_.range && !said_range_) addRange(*look_.range);
     // A share of the range that the options say, which may be another one.
     const double said = said_range_ ? said_range_->hi - said_range_->lo : unit;
     const double share = said == unit ? look_.full_gradient : look_.full_gradient * unit / said;
