@@ -61,9 +61,10 @@ struct ShownPicture {
 // The plane `at` of an axis, as grey values of the range of the look.
 struct ShownSlice {
   int axis = 0;
-  int64_t at = 0;
+  int64_t at = 0, time = 0;
   int width = 0, height = 0;
   std::vector<uint8_t> rgba;
+  SliceValues values;  // for readings
 };
 
 struct OpenedVolumeNews {
@@ -107,6 +108,7 @@ struct DeskStatus {
   bool is_indexing = false;                // opening passes over the voxels
   uint64_t wished = 0;                     // number of the newest wish
   uint64_t completed = 0;                  // number of the newest wish that is drawn whole
+  uint64_t failed = 0;                     // number of the newest wish that could not be; 0: none
   int64_t frames = 0, frames_written = 0;  // frames of a film that is being written; 0: none is
 };
 

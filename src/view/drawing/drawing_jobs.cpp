@@ -191,7 +191,13 @@ void DrawingJobs::run(const SlicesJob&, const Job& job) {
       kept.time = state.time;
     }
     kept.range = range;
-    ShownSlice shown{axis, at, kept.values.width, kept.values.height, greys(kept.values, range)};
+    ShownSlice shown{.axis = axis,
+                     .at = at,
+                     .time = state.time,
+                     .width = kept.values.width,
+                     .height = kept.values.height,
+                     .rgba = greys(kept.values, range),
+                     .values = kept.values};
     news_.add([&](News& news) {
       // A slice that nobody has taken yet is replaced.
       std::erase_if(news.slices, [axis](const ShownSlice& other) { return other.axis == axis; });

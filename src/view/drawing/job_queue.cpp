@@ -273,7 +273,7 @@ void JobQueue::noteFailed(const Job& job) {
   if (doing == Doing::kPreview || doing == Doing::kPicture || doing == Doing::kSlices)
     // A view that cannot be drawn is not tried again before the next wish, or it would fail for
     // ever.
-    served_.previewed = served_.sliced = status_.completed = job.wish->number;
+    served_.previewed = served_.sliced = status_.completed = status_.failed = job.wish->number;
 }
 
 void JobQueue::noteCancelled(const Job& job) {

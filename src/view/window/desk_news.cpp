@@ -64,7 +64,7 @@ void takeOpened(WindowState& window, std::unique_ptr<OpenedVolumeNews> news) {
   window.pointer.value.reset();
   window.shown.picture = {};
   endFade(window.shown);
-  for (SliceOnScreen& slice : window.slices) slice.at = -1;
+  for (SliceOnScreen& slice : window.slices) slice.at = slice.time = -1;
   window.series.is_playing = false;
   window.film = {.path = {}, .name = window.film.name};
   for (const std::string& warning : opened.info.warnings) window.messages.lines.push_front(warning);
@@ -121,6 +121,22 @@ void takeSaved(WindowState& window, const SavedNews& saved) {
   window.log.write({{"saved", saved.path}, {"command", saved.command}});
 }
 
+// The value was that of another picture. A pointer that rests gets the new one's.
+void forgetReading(Pointer& pointer) {
+  pointer.value.reset();
+  pointer.still_since = WindowClock::now();
+}
+
+// A step that cannot be drawn leaves no picture of another step in the pane.
+void takeFailedWish(WindowState& window) {
+  const ShownPicture& picture = window.shown.picture;
+  if (picture.wish == 0 || picture.state.time == window.state().time) return;
+  window.shown.picture = {};
+  window.shown.texture.drop();
+  endFade(window.shown);
+  window.pointer.value.reset();
+}
+
 // The levels in the picture, and whether a finer one follows.
 std::string levelsText(const ShownPicture& picture) {
   const int finest = picture.levels.front(), coarsest = picture.levels.back();
@@ -128,6 +144,15 @@ std::string levelsText(const ShownPicture& picture) {
                                                 : fmt::format("levels {} to {}", finest, coarsest);
   if (!picture.is_complete) return levels + ", will improve";
   return levels + (picture.is_refined ? ", final" : ", as fine as the memory allows");
+}
+
+std::string failedText(const WindowState& window) {
+  const ShownPicture& picture = window.shown.picture;
+  std::string text = window.info().time_steps > 1 ? fmt::format("step {}", window.state().time)
+                                                  : std::string("this view");
+  text += " could not be drawn";
+  if (picture.wish == 0) return text;
+  return text + (picture.wish == window.wishes.number ? " whole" : "; the picture is an older one");
 }
 
 // The work that a picture which is not complete waits for.
@@ -156,10 +181,12 @@ void takeNews(WindowState& window) {
   if (window.status.frames_written != seen_frames)
     window.log.write({{"written", window.status.frames_written}, {"of", window.status.frames}});
   if (news.picture) takePicture(window.shown, std::move(*news.picture));
-  for (const ShownSlice& slice : news.slices) {
+  for (ShownSlice& slice : news.slices) {
     SliceOnScreen& shown = window.slices[static_cast<size_t>(slice.axis)];
     shown.texture.set(slice.width, slice.height, slice.rgba);
     shown.at = slice.at;
+    shown.time = slice.time;
+    shown.values = std::move(slice.values);
     shown.is_new = true;
     window.log.write({{"slice", slice.axis}, {"at", slice.at}});
   }
@@ -167,6 +194,7 @@ void takeNews(WindowState& window) {
   if (news.report) window.volume.report = std::move(*news.report);
   if (news.probe) takeProbe(window, *news.probe);
   for (const SavedNews& saved : news.saved) takeSaved(window, saved);
+  if (hasFailed(window)) takeFailedWish(window);
   for (const std::string& failure : news.failures) window.fail(failure);
 }
 
@@ -234,8 +262,16 @@ void sendWish(WindowState& window) {
   window.wishes.last = wish;
   window.wishes.number = number;
   const auto event_at = window.loop.event_at;
-  if (!is_same) window.wishes.unanswered.emplace_back(number, event_at);
+  if (!is_same) {
+    window.wishes.unanswered.emplace_back(number, event_at);
+    forgetReading(window.pointer);
+  }
   window.log.write({{"wish", number}, {"moves", wish.moves}, {"event_at", clockSeconds(event_at)}});
+}
+
+bool hasFailed(const WindowState& window) {
+  return window.isOpen() && window.wishes.number > 0 &&
+         window.status.failed == window.wishes.number;
 }
 
 CornerText cornerText(const WindowState& window) {
@@ -250,6 +286,7 @@ CornerText cornerText(const WindowState& window) {
     if (!picture.why_empty.empty()) return {"nothing is visible: " + picture.why_empty};
     return {levels, true};
   }
+  if (hasFailed(window)) return {failedText(window)};
   const std::string doing = doingText(status, picture);
   return {levels.empty() ? doing : levels + "; " + doing};
 }

@@ -88,7 +88,8 @@ void playSeries(WindowState& window) {
   const ShownPicture& picture = window.shown.picture;
   const bool was_seen = picture.is_complete && picture.wish == window.wishes.number &&
                         picture.state.time == window.state().time;
-  if (!was_seen) return;  // its picture's news will wake us
+  // Its news will wake us. A step that cannot be drawn is passed over.
+  if (!was_seen && !hasFailed(window)) return;
   const auto now = WindowClock::now();
   const double waited = std::chrono::duration<double>(now - series.step_at).count();
   if (waited < 1 / series.steps_per_second)

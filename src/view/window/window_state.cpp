@@ -1,5 +1,6 @@
 #include "src/view/window/window_state.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
@@ -55,7 +56,9 @@ void WindowState::say(const std::string& line) {
 }
 
 void WindowState::fail(const std::string& line) {
-  messages.failures.push_back(line);
+  // A view that cannot be drawn fails again with each movement.
+  if (std::ranges::find(messages.failures, line) == messages.failures.end())
+    messages.failures.push_back(line);
   loop.wakeBy(WindowClock::now());  // a window of ImGui's shows in the frame after its first
   log.write({{"failure", line}});
 }

@@ -51,7 +51,8 @@ struct PictureOnScreen {
 
 struct SliceOnScreen {
   Texture texture;
-  int64_t at = -1;
+  int64_t at = -1, time = -1;
+  SliceValues values;
   bool is_new = false;
 };
 
@@ -211,6 +212,8 @@ void updateFade(WindowState& window);
 void notePresented(WindowState& window);
 // Tells the desk which picture is wanted, if that has changed.
 void sendWish(WindowState& window);
+// Whether the view that is wanted could not be drawn.
+bool hasFailed(const WindowState& window);
 // The text for the picture's corner: why the picture is not complete yet, or why a complete one
 // shows nothing; and of a volume with levels of resolution, the levels that are shown and whether
 // they will get finer. Empty for a complete picture of one level that shows something.

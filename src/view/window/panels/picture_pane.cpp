@@ -74,7 +74,9 @@ void hover(WindowState& window, const Area& area) {
     window.loop.wakeBy(pointer.still_since + kHoverRests);
     return;
   }
-  if (!window.shown.picture.is_complete) return;  // its news will wake us
+  const ShownPicture& shown = window.shown.picture;
+  const bool is_newest = shown.wish == window.wishes.number;
+  if (!shown.is_complete || !is_newest) return;  // its news will wake us
   pointer.still_since = {};
   if (window.pointer.centers) return;
   window.pointer.question =

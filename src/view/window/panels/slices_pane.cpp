@@ -21,6 +21,10 @@ std::string nameOf(const VolumeInfo& info, size_t axis) {
   return kNames[main];
 }
 
+bool isOfStep(const WindowState& window, size_t axis) {
+  return window.slices[axis].time == window.state().time;
+}
+
 void slice(WindowState& window, size_t axis, const Area& area) {
   const VolumeInfo& info = window.info();
   const size_t across = axis == 0 ? 1 : 0, down = axis == 2 ? 1 : 2;
@@ -33,7 +37,9 @@ void slice(WindowState& window, size_t axis, const Area& area) {
   ImDrawList& to = *ImGui::GetWindowDrawList();
   // The rows run upwards if the patient's head, or whatever else is up, is at the end of an axis.
   const bool turned = down == 2 && info.frame != "rows";
-  if (window.slices[axis].texture.id() != nullptr)
+  // A step that cannot be read has no slice, least of all that of another step.
+  const bool is_shown = isOfStep(window, axis) || !hasFailed(window);
+  if (window.slices[axis].texture.id() != nullptr && is_shown)
     to.AddImage(window.slices[axis].texture.id(), lo, {lo.x + size.x, lo.y + size.y},
                 {0, turned ? 1.0F : 0.0F}, {1, turned ? 0.0F : 1.0F});
   ImGui::SetCursorScreenPos(lo);
@@ -66,7 +72,10 @@ void slice(WindowState& window, size_t axis, const Area& area) {
   to.AddLine({lo.x, y}, {lo.x + size.x, y}, IM_COL32(255, 190, 90, 130));
   const int64_t at = window.state().cross[axis];
   std::string words = fmt::format("{} {}", nameOf(info, axis), at);
-  if (window.slices[axis].at != at) words += " (not read yet)";
+  if (!isOfStep(window, axis))
+    words += hasFailed(window) ? " (could not be read)" : " (not read yet)";
+  else if (window.slices[axis].at != at)
+    words += " (not read yet)";
   to.AddText({area.x + 6, area.y + 4}, IM_COL32(235, 235, 235, 255), words.c_str());
 }
 
