@@ -113,13 +113,16 @@ TEST(DrawingThread, aPlacedViewIsTheNamedOne) {
   ViewState state = seen.opened->state;
   state.view = ViewOptions{};
   state.view.from = ViewOptions::From::kTop;
-  desk.place(state, 64, 64);
-  ASSERT_TRUE(seen.until([&] { return seen.state != nullptr; }));
-  ASSERT_TRUE(seen.state->view.look_at);
+  const uint64_t number = desk.place(state, 64, 64);
+  ASSERT_TRUE(seen.until([&] { return seen.placed.has_value(); }));
+  EXPECT_EQ(seen.placed->number, number);
+  ASSERT_TRUE(seen.placed->view && seen.placed->view->look_at);
+  ViewState placed_state = state;
+  placed_state.view = *seen.placed->view;
   const Volume volume(kVolume);
   Renderer renderer(volume, {}, drawingOptions().renderer);
   const auto named = renderer.draw(pictureOf(state, 64, 64)).toRgba8();
-  const auto placed = renderer.draw(pictureOf(*seen.state, 64, 64)).toRgba8();
+  const auto placed = renderer.draw(pictureOf(placed_state, 64, 64)).toRgba8();
   int largest = 0;
   for (size_t i = 0; i < named.size(); ++i)
     largest = std::max(largest, std::abs(named[i] - placed[i]));
@@ -158,9 +161,13 @@ TEST(DrawingThread, refusesEachWrongStateAndDrawsOn) {
   for (const int64_t time : {int64_t{-1}, int64_t{5}}) {
     seen.failures.clear();
     wish.state.time = time;
-    ASSERT_TRUE(seen.whole(desk.wish(wish)));
+    const uint64_t number = desk.wish(wish);
+    ASSERT_TRUE(seen.whole(number));
+    EXPECT_EQ(desk.status().failed, number);
+    seen.placed.reset();
     desk.place(wish.state, 40, 32);
     ASSERT_TRUE(seen.until([&] { return seen.failures.size() == 2; }));
+    EXPECT_TRUE(seen.placed && !seen.placed->view) << "nothing waits for it any longer";
     for (const std::string& line : seen.failures) EXPECT_THAT(line, HasSubstr("1 time step"));
   }
 }

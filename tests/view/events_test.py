@@ -92,5 +92,41 @@ def same_when_busy(folder):
         last = view
 
 
+def fitted_views(folder, gestures, is_busy):
+    """The view that is saved at the end of each gesture."""
+    found = []
+    arguments = ['synth:shells,dims=48x40x36', '--size', '480x760', '--device', 'cpu', '--memory', '64M']
+    with Display() as display, Window(display, PROGRAM, arguments, folder) as window:
+        window.whole(0)
+        window.stand_still()
+        for gesture in gestures:
+            mark = window.mark()
+            with stopped(window) if is_busy else contextlib.nullcontext():
+                for key in gesture:
+                    window.press(key)
+                    if not is_busy:
+                        window.settled()
+                        window.do('sleep', 0.7)  # steps of the history
+                window.press('ctrl+shift+s')
+                window.hand.flush()
+            window.wait(lambda line: line.get('saved', '').endswith('view.json'), since=mark)
+            view = json.loads(pathlib.Path(folder, 'view.json').read_text(encoding='utf-8'))
+            found.append({part: view.get(part) for part in ('camera', 'clip')})
+            found[-1]['keys'] = [key['camera'] for key in view.get('path', {}).get('keys', [])]
+            window.settled()
+        times = window.end()
+    assert times['gl_errors'] == 0, times
+    return found
+
+
+def fitted(folder):
+    """Views that are asked for by name are fitted on another thread. What is done meanwhile follows from the fitted view."""
+    gestures = [['4'], ['5', 'Down', 'Down', 'Down'], ['t', '1', 'equal', 'w', 'e'], ['3', 'p', '6', 'Right'], ['2', 'Right', 'ctrl+z'],
+                ['4', 'c'], ['1', 'k', 'Down']]
+    expected, busy = (fitted_views(folder, gestures, is_busy) for is_busy in (False, True))
+    for gesture, one, other in zip(gestures, expected, busy):
+        assert one == other, f'{gesture}: {other} in place of {one}'
+
+
 if __name__ == '__main__':
-    window_driver.run(same_when_busy)
+    window_driver.run(same_when_busy, fitted)

@@ -44,6 +44,7 @@ struct Seen {
       }
       if (news.look) look = std::move(news.look);
       if (news.state) state = std::move(news.state);
+      if (news.placed) placed = news.placed;
       if (news.path) film = std::move(news.path);
       if (news.report) report = std::move(news.report);
       if (news.probe) probe = news.probe;
@@ -81,6 +82,7 @@ struct Seen {
   std::unique_ptr<ViewState> state;
   std::optional<ViewPath> film;
   std::unique_ptr<RenderReport> report;
+  std::optional<PlacedNews> placed;
   std::optional<ProbeNews> probe;
   std::vector<ShownSlice> slices;
   std::vector<SavedNews> saved;

@@ -85,15 +85,21 @@ struct ProbeNews {
   std::optional<VoxelProbe> found;
 };
 
+struct PlacedNews {
+  uint64_t number = 0;              // see Desk::place()
+  std::optional<ViewOptions> view;  // nullopt: it could not be placed
+};
+
 // All news since the last call of take(); members without news are empty.
 struct News {
   std::unique_ptr<OpenedVolumeNews> opened;
-  std::unique_ptr<ViewState> state;       // loaded for the volume that is open, or placed
+  std::unique_ptr<ViewState> state;       // loaded for the volume that is open
   std::optional<ViewPath> path;           // the path loaded with the volume or the state
   std::unique_ptr<ShownPicture> picture;  // the newest
   std::vector<ShownSlice> slices;
   std::unique_ptr<ShownLook> look;
   std::unique_ptr<RenderReport> report;
+  std::optional<PlacedNews> placed;
   std::optional<ProbeNews> probe;
   std::vector<SavedNews> saved;
   std::vector<std::string> failures;  // one line each
@@ -102,7 +108,17 @@ struct News {
 
 // The work under way at this moment.
 struct DeskStatus {
-  enum class Doing { kNothing, kOpening, kPreview, kPicture, kSlices, kProbe, kSaving, kFrame };
+  enum class Doing {
+    kNothing,
+    kOpening,
+    kPreview,
+    kPicture,
+    kSlices,
+    kPlacing,
+    kProbe,
+    kSaving,
+    kFrame
+  };
   Doing doing = Doing::kNothing;
   double share = 0;                        // share of opening or drawing that is done, 0 to 1
   bool is_indexing = false;                // opening passes over the voxels
@@ -142,8 +158,10 @@ class Desk {
   // window's own.
   virtual void saveText(const std::string& path, const std::string& text,
                         std::optional<FileKind> kind) = 0;
-  // The state with its view placed (Renderer::placed()) for a pane of this size, as news.
-  virtual void place(const ViewState& state, int width, int height) = 0;
+  // Places the state's view (Renderer::placed()) for a pane of this size. Returns the number that
+  // its news will carry. A newer view takes the place of one that is not placed yet, and so does
+  // another volume.
+  virtual uint64_t place(const ViewState& state, int width, int height) = 0;
   // Asks for the value at a point of the pane (0 to 1, right and down) as the newest wish shows it.
   // Returns the number that its news will carry. A newer question takes the place of one that has
   // no answer.

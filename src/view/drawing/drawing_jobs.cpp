@@ -65,7 +65,7 @@ void DrawingJobs::useLook(const ViewState& state, bool is_shown) {
 }
 
 ViewOptions DrawingJobs::placed(const ViewState& state, int width, int height, const Job& job) {
-  useLook(state);
+  useLook(state, false);  // what is shown has the newest wish's
   return opened_.renderer->placed(pictureOf(state, width, height), progress(), job.stop);
 }
 
@@ -208,9 +208,20 @@ void DrawingJobs::run(const SlicesJob&, const Job& job) {
 }
 
 void DrawingJobs::run(const PlaceJob& task, const Job& job) {
-  auto state = std::make_unique<ViewState>(task.wish.state);
-  state->view = placed(*state, task.wish.width, task.wish.height, job);
-  news_.add([&](News& news) { news.state = std::move(state); });
+  PlacedNews placed_news{.number = task.number, .view = {}};
+  const auto tell = [&] {
+    news_.add([&](News& news) { news.placed = placed_news; });
+    queue_.notePlaced(task);
+  };
+  try {
+    placed_news.view = placed(task.wish.state, task.wish.width, task.wish.height, job);
+  } catch (const Cancelled&) {
+    throw;
+  } catch (const std::exception&) {
+    tell();
+    throw;
+  }
+  tell();
 }
 
 void DrawingJobs::run(const ProbeJob& task, const Job& job) {

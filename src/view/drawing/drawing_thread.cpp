@@ -46,8 +46,8 @@ void DrawingThread::loadState(const std::string& path) {
   queue_.open(std::move(job));
 }
 
-void DrawingThread::place(const ViewState& state, int width, int height) {
-  queue_.place({Wish{.state = state, .width = width, .height = height}});
+uint64_t DrawingThread::place(const ViewState& state, int width, int height) {
+  return queue_.place(Wish{.state = state, .width = width, .height = height});
 }
 
 void DrawingThread::run() {

@@ -30,7 +30,7 @@ class DrawingThread : public Desk {
   }
   void writeFrames(const FilmWish& film) override { queue_.writeFrames(film); }
   void cancelFrames() override { queue_.cancelFrames(); }
-  void place(const ViewState& state, int width, int height) override;
+  uint64_t place(const ViewState& state, int width, int height) override;
   uint64_t probe(double right, double down) override { return queue_.probe(right, down); }
   void wantReport(bool maps) override { queue_.wantReport(maps); }
   News take() override { return news_.take(); }

@@ -10,7 +10,7 @@ using Doing = DeskStatus::Doing;
 
 // For each kind of Job::task.
 constexpr std::array kDoing{Doing::kOpening, Doing::kPreview, Doing::kPicture, Doing::kSlices,
-                            Doing::kProbe,   Doing::kProbe,   Doing::kNothing, Doing::kSaving,
+                            Doing::kPlacing, Doing::kProbe,   Doing::kNothing, Doing::kSaving,
                             Doing::kSaving,  Doing::kFrame};
 static_assert(kDoing.size() == std::variant_size_v<decltype(Job::task)>);
 
@@ -87,11 +87,12 @@ void JobQueue::cancelFrames() {
   endFilm();
 }
 
-void JobQueue::place(PlaceJob job) {
+uint64_t JobQueue::place(const Wish& wish) {
   const MutexLock lock(mutex_);
-  requests_.place = std::move(job);
+  requests_.place = PlaceJob{++requests_.places, wish};
   stopWork(false);
   changed_.notifyAll();
+  return requests_.places;
 }
 
 uint64_t JobQueue::probe(double right, double down) {
@@ -133,6 +134,7 @@ void JobQueue::stopWork(bool also_previews) {
       break;
     case Doing::kPicture:
     case Doing::kSlices:
+    case Doing::kPlacing:
     case Doing::kProbe:
       work_.stop.request_stop();
       break;
@@ -160,7 +162,8 @@ JobQueue::Clock::time_point JobQueue::restsAt() const {
 }
 
 // Chooses the next job: requests come first, then what is seen first. The whole picture waits while
-// a hand moves. Small files are written at once, even if no volume is open.
+// a hand moves, and so does placing a view, which may read all of a volume. Small files are written
+// at once, even if no volume is open.
 std::optional<Job> JobQueue::choose() {
   Requests& asked = requests_;
   const auto job = [wish = asked.wish](auto task) { return Job{std::move(task), wish, {}}; };
@@ -169,8 +172,8 @@ std::optional<Job> JobQueue::choose() {
   // All other jobs need a volume.
   if (!work_.is_open) return std::nullopt;
   const uint64_t newest = asked.wish != nullptr ? asked.wish->number : 0;
-  if (asked.place) return job(*std::exchange(asked.place, std::nullopt));
   if (served_.previewed < newest) return job(PreviewJob());
+  if (asked.place && rests()) return job(*asked.place);
   if (!asked.pictures.empty()) return job(takeFirst(asked.pictures));
   if (status_.completed < newest && rests()) return job(PictureJob());
   if (served_.sliced < newest && asked.wish->wish.state.shows_slices) return job(SlicesJob());
@@ -194,7 +197,8 @@ std::optional<Job> JobQueue::next() {
   status_.doing = Doing::kNothing;
   while (!work_.ends) {
     if (std::optional<Job> job = choose()) return start(std::move(*job));
-    // The whole picture and a film's next frame wait for a hand to rest, which no event will tell.
+    // Views to be placed, the whole picture and a film's next frame wait for a hand to rest, which
+    // no event will tell.
     if (work_.is_open && !rests())
       changed_.waitUntil(lock, restsAt());
     else
@@ -220,6 +224,7 @@ void JobQueue::noteOpened() {
   status_.is_indexing = false;
   requests_.wish.reset();
   requests_.probe.reset();
+  requests_.place.reset();
   endFilm();
 }
 
@@ -243,6 +248,11 @@ void JobQueue::notePicture(const NumberedWish& wish, bool is_complete) {
 void JobQueue::noteSlices(uint64_t wish) {
   const MutexLock lock(mutex_);
   served_.sliced = std::max(served_.sliced, wish);
+}
+
+void JobQueue::notePlaced(const PlaceJob& job) {
+  const MutexLock lock(mutex_);
+  if (requests_.place && requests_.place->number == job.number) requests_.place.reset();
 }
 
 bool JobQueue::isFilm(uint64_t number) const {

@@ -37,6 +37,7 @@ struct PreviewJob {};
 struct PictureJob {};
 struct SlicesJob {};
 struct PlaceJob {
+  uint64_t number = 0;
   Wish wish;
 };
 struct ProbeJob {
@@ -82,7 +83,7 @@ class JobQueue {
   void save(SaveTextJob job);
   void writeFrames(const FilmWish& film);
   void cancelFrames();
-  void place(PlaceJob job);
+  uint64_t place(const Wish& wish);
   uint64_t probe(double right, double down);
   void wantReport(bool maps);
   DeskStatus status() const;
@@ -98,6 +99,8 @@ class JobQueue {
   void noteOpened();
   void notePicture(const NumberedWish& wish, bool is_complete);
   void noteSlices(uint64_t wish);
+  // The view is placed, or cannot be.
+  void notePlaced(const PlaceJob& job);
   // False: the film was cancelled or replaced meanwhile. After its last frame there is none.
   bool noteFrame(const FrameJob& job);
   // A wish that cannot be drawn is as good as served, so that it is not tried for ever; a film
@@ -114,11 +117,11 @@ class JobQueue {
     std::deque<SavePictureJob> pictures;
     std::deque<SaveTextJob> texts;
     std::optional<FrameJob> frame;  // the film's next
-    std::optional<PlaceJob> place;
+    std::optional<PlaceJob> place;  // also while it is under way, which a wish may stop
     std::optional<ProbeJob> probe;
     std::optional<ReportJob> report;
     std::shared_ptr<const NumberedWish> wish;
-    uint64_t films = 0, probes = 0;  // numbers that were given
+    uint64_t films = 0, probes = 0, places = 0;  // numbers that were given
   };
   // Numbers of the wishes that were served last.
   struct Served {

@@ -16,6 +16,7 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr auto kHandRests = 150ms, kSavedShows = 4000ms;
+constexpr auto kSlowFit = 300ms;  // is told
 constexpr auto kFade = 120ms, kFadeTurn = 16ms;
 constexpr size_t kMostTimes = 8192;
 
@@ -60,6 +61,7 @@ void takeOpened(WindowState& window, std::unique_ptr<OpenedVolumeNews> news) {
   window.volume.ground = groundOf(opened.info);
   window.history = History<ViewState>(opened.state);
   // The number goes on, since the desk counts its wishes over all volumes.
+  window.fit.reset();
   window.wishes = {.last = {}, .number = window.wishes.number, .unanswered = {}};
   window.pointer.value.reset();
   window.shown.picture = {};
@@ -74,6 +76,15 @@ void takeOpened(WindowState& window, std::unique_ptr<OpenedVolumeNews> news) {
                     {"dims", opened.info.dims},
                     {"time_steps", opened.info.time_steps},
                     {"device", opened.device}});
+}
+
+void takePlaced(WindowState& window, const PlacedNews& news) {
+  if (!window.fit || news.number != window.fit->number) return;
+  Fit fit = std::move(*window.fit);
+  window.fit.reset();
+  if (news.view) window.edit([&](ViewState& next) { next.view = *news.view; });
+  ++window.gesture;  // undo takes back the moves first
+  for (auto& act : fit.waiting) window.afterFit(std::move(act));
 }
 
 void takePicture(PictureOnScreen& shown, ShownPicture picture) {
@@ -100,14 +111,16 @@ void takeProbe(WindowState& window, const ProbeNews& news) {
   if (news.number != pointer.question) return;
   pointer.value = news.found;
   if (std::exchange(pointer.centers, false) && news.found && window.isOpen()) {
-    ViewState next = window.state();
-    const auto& [voxel, world, value] = *news.found;
-    next.view = centerOn(next.view, {world[0], world[1], world[2]});
-    for (size_t a = 0; a < 3; ++a)
-      next.cross[a] =
-          std::clamp(int64_t{std::llround(voxel[a])}, int64_t{0}, window.info().dims[a] - 1);
-    window.change(next);
-    window.log.write({{"centered", voxel}});
+    window.afterFit([found = *news.found](WindowState& fitted) {
+      ViewState next = fitted.state();
+      const auto& [voxel, world, value] = found;
+      next.view = centerOn(next.view, {world[0], world[1], world[2]});
+      for (size_t a = 0; a < 3; ++a)
+        next.cross[a] =
+            std::clamp(int64_t{std::llround(voxel[a])}, int64_t{0}, fitted.info().dims[a] - 1);
+      fitted.change(next);
+      fitted.log.write({{"centered", voxel}});
+    });
   }
   if (news.found) window.log.write({{"value", news.found->value}, {"voxel", news.found->voxel}});
 }
@@ -172,6 +185,7 @@ void takeNews(WindowState& window) {
   window.status = window.desk.status();
   if (news.opened) takeOpened(window, std::move(news.opened));
   if (news.state) window.change(*news.state);
+  if (news.placed) takePlaced(window, *news.placed);
   if (news.path) window.film.path = *news.path;
   for (const std::string& gone : news.vanished) {
     if (std::erase(window.settings.recent, gone) == 0) continue;
@@ -281,6 +295,8 @@ CornerText cornerText(const WindowState& window) {
     return {fmt::format("{} {:.0f} %", status.is_indexing ? "indexing" : "opening",
                         100 * status.share)};
   if (!window.isOpen()) return {};
+  if (window.fit && WindowClock::now() - window.fit->asked_at > kSlowFit)
+    return {"fitting the view"};
   const std::string levels = picture.levels.empty() ? "" : levelsText(picture);
   if (picture.wish == window.wishes.number && picture.is_complete) {
     if (!picture.why_empty.empty()) return {"nothing is visible: " + picture.why_empty};

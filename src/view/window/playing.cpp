@@ -12,15 +12,19 @@ WindowClock::duration durationOf(double seconds) {
   return std::chrono::duration_cast<WindowClock::duration>(std::chrono::duration<double>(seconds));
 }
 
-}  // namespace
-
-void addKey(WindowState& window) {
-  if (!window.isOpen()) return;
+void addKeyNow(WindowState& window) {
   ViewPath& path = window.film.path;
   path.kind = ViewPath::Kind::kKeys;
   path.keys.push_back(
       {window.state(), path.keys.empty() ? ViewKey{}.seconds : path.keys.back().seconds});
   window.log.write({{"keys", path.keys.size()}});
+}
+
+}  // namespace
+
+void addKey(WindowState& window) {
+  if (!window.isOpen()) return;
+  window.afterFit([](WindowState& fitted) { addKeyNow(fitted); });
 }
 
 void showFrame(WindowState& window, int64_t frame) {
@@ -40,13 +44,14 @@ void endFilm(WindowState& window) {
 }
 
 void playFilm(WindowState& window) {
-  FilmEditor& film = window.film;
-  if (film.is_playing) return endFilm(window);
-  if (!window.isOpen() || frameCount(film.path) == 0) return;
-  window.series.is_playing = false;
-  film.is_playing = true;
-  film.began = WindowClock::now();
-  showFrame(window, 0);
+  if (window.film.is_playing) return endFilm(window);
+  if (!window.isOpen() || frameCount(window.film.path) == 0) return;
+  window.afterFit([](WindowState& fitted) {
+    fitted.series.is_playing = false;
+    fitted.film.is_playing = true;
+    fitted.film.began = WindowClock::now();
+    showFrame(fitted, 0);
+  });
 }
 
 void showPlayedFrame(WindowState& window) {
@@ -73,13 +78,15 @@ void writeFilm(WindowState& window) {
     window.say("cancelled");
     return;
   }
-  const FilmEditor& film = window.film;
-  if (!window.isOpen() || frameCount(film.path) == 0) return;
-  window.desk.writeFrames({.name = film.name,
-                           .path = film.path,
-                           .now = film.view.value_or(window.state()),
-                           .width = window.pane.width,
-                           .height = window.pane.height});
+  if (!window.isOpen() || frameCount(window.film.path) == 0) return;
+  window.afterFit([](WindowState& fitted) {
+    const FilmEditor& film = fitted.film;
+    fitted.desk.writeFrames({.name = film.name,
+                             .path = film.path,
+                             .now = film.view.value_or(fitted.state()),
+                             .width = fitted.pane.width,
+                             .height = fitted.pane.height});
+  });
 }
 
 void playSeries(WindowState& window) {

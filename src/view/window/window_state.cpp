@@ -21,6 +21,16 @@ Wish wishOf(const WindowState& window) {
   return {.state = window.state(), .width = window.pane.width, .height = window.pane.height};
 }
 
+void saveStateNow(WindowState& window, const std::string& name) {
+  const ViewPath& path = window.film.path;
+  const bool has_film = path != ViewPath{} && frameCount(path) > 0;
+  window.desk.saveText(
+      name,
+      stateText(window.volume.news->volume, window.film.view.value_or(window.state()),
+                has_film ? std::optional(path) : std::nullopt),
+      FileKind::kView);
+}
+
 }  // namespace
 
 WindowState::WindowState(const WindowRequest& given, const std::function<void()>& wake)
@@ -70,29 +80,32 @@ void openPath(WindowState& window, const std::string& path) {
 void openAny(WindowState& window, const std::vector<std::string>& paths) {
   if (paths.empty()) return;
   if (paths.size() == 1 && std::filesystem::path(paths.front()).extension() == ".json")
-    window.desk.loadState(paths.front());
+    loadState(window, paths.front());
   else
     window.desk.open({.paths = paths, .options = {}}, std::nullopt);
   window.panels.shows_open = false;
 }
 
+void loadState(WindowState& window, const std::string& name) {
+  window.afterFit([name](WindowState& fitted) { fitted.desk.loadState(name); });
+}
+
 void savePicture(WindowState& window, const std::string& path) {
-  if (window.isOpen()) window.desk.savePicture(path, wishOf(window));
+  if (!window.isOpen()) return;
+  window.afterFit([path](WindowState& fitted) { fitted.desk.savePicture(path, wishOf(fitted)); });
 }
 
 void saveState(WindowState& window, const std::string& name) {
   if (!window.isOpen()) return;
-  const ViewPath& path = window.film.path;
-  const bool has_film = path != ViewPath{} && frameCount(path) > 0;
-  window.desk.saveText(
-      name,
-      stateText(window.volume.news->volume, window.film.view.value_or(window.state()),
-                has_film ? std::optional(path) : std::nullopt),
-      FileKind::kView);
+  window.afterFit([name](WindowState& fitted) { saveStateNow(fitted, name); });
 }
 
 void showFrom(WindowState& window, ViewOptions::From from) {
   if (!window.isOpen()) return;
+  // Saves that wait belong to the view that was asked for before, and so does a new projection.
+  if (window.fit && !window.fit->waiting.empty())
+    return window.afterFit([from](WindowState& fitted) { showFrom(fitted, from); });
+  endFilm(window);
   ViewState next = window.state();
   const ViewOptions last = next.view;
   // Placed anew by the desk, so that the view fits what is visible.
@@ -100,18 +113,39 @@ void showFrom(WindowState& window, ViewOptions::From from) {
   next.view.from = from;
   next.view.projection = last.projection;
   next.view.field_of_view_deg = last.field_of_view_deg;
-  window.desk.place(next, window.pane.width, window.pane.height);
+  window.fit = Fit{.number = window.desk.place(next, window.pane.width, window.pane.height),
+                   .asked_at = WindowClock::now(),
+                   .waiting = {}};
 }
 
 void toggleProjection(WindowState& window) {
   if (!window.isOpen()) return;
   using Projection = ViewOptions::Projection;
-  ViewState next = window.state();
-  const bool is_perspective = next.view.projection == Projection::kPerspective;
-  next.view =
-      withProjection(next.view, is_perspective ? Projection::kParallel : Projection::kPerspective,
-                     window.pane, window.volume.ground);
-  window.change(next);
+  window.moveView([pane = window.pane, ground = window.volume.ground](const ViewOptions& view) {
+    const bool is_perspective = view.projection == Projection::kPerspective;
+    return withProjection(view, is_perspective ? Projection::kParallel : Projection::kPerspective,
+                          pane, ground);
+  });
+}
+
+void cutHere(WindowState& window) {
+  window.afterFit([](WindowState& fitted) {
+    ViewState next = fitted.state();
+    if (next.clip_planes.size() >= kMostClipPlanes) return;
+    const PlacedAxes axes = axesOf(next.view);
+    const auto& target = next.view.look_at->target;
+    next.clip_planes.push_back({{axes.back.x, axes.back.y, axes.back.z},
+                                dot(axes.back, Vec3d{target[0], target[1], target[2]})});
+    fitted.change(next);
+  });
+}
+
+void undo(WindowState& window) {
+  window.afterFit([](WindowState& fitted) { fitted.history.undo(); });
+}
+
+void redo(WindowState& window) {
+  window.afterFit([](WindowState& fitted) { fitted.history.redo(); });
 }
 
 }  // namespace sluice

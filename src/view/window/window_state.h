@@ -29,6 +29,8 @@ namespace sluice {
 
 using WindowClock = std::chrono::steady_clock;
 
+struct WindowState;
+
 // The volume that is open, as the desk described it.
 struct OpenVolume {
   std::unique_ptr<OpenedVolumeNews> news;  // null: none is open
@@ -112,6 +114,14 @@ struct SentWishes {
   std::deque<std::pair<uint64_t, WindowClock::time_point>> unanswered;
 };
 
+// A view that the desk fits to the volume. The camera and everything that uses it wait for it, so
+// that they follow from the view that was asked for.
+struct Fit {
+  uint64_t number = 0;
+  WindowClock::time_point asked_at{};
+  std::vector<std::function<void(WindowState&)>> waiting;  // in the order of the user's actions
+};
+
 // Measurements of the window's own loop.
 struct LoopTimes {
   uint64_t turns = 0;
@@ -168,6 +178,21 @@ struct WindowState {
     edit(next);
     change(next);
   }
+  // Does act(*this), which uses the camera: at once, or when the view that was asked for is fitted.
+  template <class Act>
+  void afterFit(Act act) {
+    if (fit)
+      fit->waiting.emplace_back(std::move(act));
+    else
+      act(*this);
+  }
+  // Changes the camera: `move` makes a view of a view.
+  template <class Move>
+  void moveView(Move move) {
+    afterFit([move = std::move(move)](WindowState& window) {
+      window.edit([&](ViewState& next) { next.view = move(next.view); });
+    });
+  }
   // A line for people, here and on standard output.
   void say(const std::string& line);
   void fail(const std::string& line);
@@ -189,6 +214,7 @@ struct WindowState {
   PanelChoices panels;
   Messages messages;
   SentWishes wishes;
+  std::optional<Fit> fit;
   LoopClock loop;
   FolderDialog dialog;
   bool wants_to_end = false;
@@ -198,11 +224,17 @@ struct WindowState {
 void openPath(WindowState& window, const std::string& path);
 // Opens a file of a state or of a volume, depending on the name.
 void openAny(WindowState& window, const std::vector<std::string>& paths);
+void loadState(WindowState& window, const std::string& name);
 void savePicture(WindowState& window, const std::string& path);
 void saveState(WindowState& window, const std::string& name);
 // Fits the volume into a view from the named side; the desk places the camera.
 void showFrom(WindowState& window, ViewOptions::From from);
 void toggleProjection(WindowState& window);
+// Cuts off everything between the eye and the target.
+void cutHere(WindowState& window);
+inline constexpr size_t kMostClipPlanes = 6;
+void undo(WindowState& window);
+void redo(WindowState& window);
 
 // Takes the news of the desk (desk_news.cpp).
 void takeNews(WindowState& window);

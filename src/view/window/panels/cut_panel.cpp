@@ -26,15 +26,6 @@ void setBox(WindowState& window, PictureOptions::Box box) {
   window.change(next);
 }
 
-Vec3d worldOf(const WindowState& window, const std::array<double, 3>& voxel) {
-  const VolumeInfo& info = window.info();
-  Vec3d world{info.origin[0], info.origin[1], info.origin[2]};
-  for (size_t a = 0; a < 3; ++a)
-    world = world +
-            Vec3d{info.axes[a][0], info.axes[a][1], info.axes[a][2]} * (info.spacing[a] * voxel[a]);
-  return world;
-}
-
 // The middle of a face of the box, in voxels.
 std::array<double, 3> faceOf(const PictureOptions::Box& box, int face) {
   std::array<double, 3> middle{};
@@ -47,15 +38,7 @@ std::array<double, 3> faceOf(const PictureOptions::Box& box, int face) {
 
 void planes(WindowState& window) {
   auto& shown = window.state().clip_planes;
-  if (shown.size() < 6 && ImGui::Button("cut here")) {
-    // Cuts off everything between the eye and the target.
-    const PlacedAxes axes = axesOf(window.state().view);
-    const auto& target = window.state().view.look_at->target;
-    window.edit([&](ViewState& next) {
-      next.clip_planes.push_back({{axes.back.x, axes.back.y, axes.back.z},
-                                  dot(axes.back, Vec3d{target[0], target[1], target[2]})});
-    });
-  }
+  if (shown.size() < kMostClipPlanes && ImGui::Button("cut here")) cutHere(window);
   window.log.control("cut here");
   const auto radius = static_cast<float>(window.volume.ground.radius);
   for (size_t i = 0; i < window.state().clip_planes.size(); ++i) {
@@ -80,6 +63,15 @@ void planes(WindowState& window) {
 }
 
 }  // namespace
+
+Vec3d worldOf(const WindowState& window, const std::array<double, 3>& voxel) {
+  const VolumeInfo& info = window.info();
+  Vec3d world{info.origin[0], info.origin[1], info.origin[2]};
+  for (size_t a = 0; a < 3; ++a)
+    world = world +
+            Vec3d{info.axes[a][0], info.axes[a][1], info.axes[a][2]} * (info.spacing[a] * voxel[a]);
+  return world;
+}
 
 int boxHandleAt(const WindowState& window, const Area& area, float pixels, float x, float y) {
   // The picture that is shown may be older than the view, and the handles belong to what is seen.

@@ -32,7 +32,7 @@ void filePanel(WindowState& window) {
     savePicture(window, window.panels.picture_file);
   if (named(window, "state", "save view", window.panels.state_file))
     saveState(window, window.panels.state_file);
-  if (ImGui::Button("load view")) window.desk.loadState(window.panels.state_file);
+  if (ImGui::Button("load view")) loadState(window, window.panels.state_file);
   window.log.control("load view");
   for (const std::string& line : window.messages.lines) {
     ImGui::PushStyleColor(ImGuiCol_Text, ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled));

@@ -38,16 +38,21 @@ bool keyRow(WindowState& window, size_t number) {
   const bool is_last = number + 1 == window.film.path.keys.size();
   ImGui::PushID(static_cast<int>(number));
   if (ImGui::Button(fmt::format("{}##go", number + 1).c_str())) {
-    ViewState next = key.state;
-    next.shows_slices = window.state().shows_slices;
-    window.change(next);
+    window.afterFit([next = key.state](WindowState& fitted) mutable {
+      next.shows_slices = fitted.state().shows_slices;
+      fitted.change(next);
+    });
   }
   window.log.control(fmt::format("key {}", number));
   ImGui::SameLine();
   const bool removes = ImGui::Button("x");
   window.log.control(fmt::format("remove key {}", number));
   ImGui::SameLine();
-  if (ImGui::Button("take")) key.state = window.state();
+  if (ImGui::Button("take"))
+    window.afterFit([number](WindowState& fitted) {
+      std::vector<ViewKey>& keys = fitted.film.path.keys;
+      if (number < keys.size()) keys[number].state = fitted.state();
+    });
   window.log.control(fmt::format("take key {}", number));
   if (!is_last) {
     ImGui::SameLine();
@@ -90,7 +95,7 @@ void preview(WindowState& window) {
   if (ImGui::SliderScalar("##frame", ImGuiDataType_S64, &frame, &first, &last, "frame %lld",
                           ImGuiSliderFlags_AlwaysClamp)) {
     window.film.is_playing = false;
-    showFrame(window, frame);
+    window.afterFit([frame](WindowState& fitted) { showFrame(fitted, frame); });
   }
   window.log.control("frame");
   ImGui::EndDisabled();

@@ -22,11 +22,11 @@ bool pressed(int key) {
 void files(WindowState& window, const ImGuiIO& io) {
   if (pressed(GLFW_KEY_Z)) {
     if (io.KeyShift)
-      window.history.redo();
+      redo(window);
     else
-      window.history.undo();
+      undo(window);
   }
-  if (pressed(GLFW_KEY_Y)) window.history.redo();
+  if (pressed(GLFW_KEY_Y)) redo(window);
   if (pressed(GLFW_KEY_O)) window.panels.shows_open = true;
   if (pressed(GLFW_KEY_S)) {
     if (io.KeyShift)
@@ -42,20 +42,18 @@ void files(WindowState& window, const ImGuiIO& io) {
 }
 
 void camera(WindowState& window, const ImGuiIO& io) {
-  ViewState next = window.state();
   const Pane pane = window.pane;
+  const Ground ground = window.volume.ground;
   const double turn = kTurn * std::min(pane.width, pane.height) / 800;
   const auto held = [&](int key, auto&& move) {
-    if (pressed(key)) next.view = move(next.view);
+    if (pressed(key)) window.moveView(move);
   };
-  held(GLFW_KEY_LEFT, [&](const ViewOptions& v) { return orbit(v, -turn, 0, pane); });
-  held(GLFW_KEY_RIGHT, [&](const ViewOptions& v) { return orbit(v, turn, 0, pane); });
-  held(GLFW_KEY_UP, [&](const ViewOptions& v) { return orbit(v, 0, -turn, pane); });
-  held(GLFW_KEY_DOWN, [&](const ViewOptions& v) { return orbit(v, 0, turn, pane); });
+  held(GLFW_KEY_LEFT, [=](const ViewOptions& v) { return orbit(v, -turn, 0, pane); });
+  held(GLFW_KEY_RIGHT, [=](const ViewOptions& v) { return orbit(v, turn, 0, pane); });
+  held(GLFW_KEY_UP, [=](const ViewOptions& v) { return orbit(v, 0, -turn, pane); });
+  held(GLFW_KEY_DOWN, [=](const ViewOptions& v) { return orbit(v, 0, turn, pane); });
   const auto flight = [&](double ahead, double right, double up) {
-    return [&window, ahead, right, up](const ViewOptions& v) {
-      return fly(v, ahead, right, up, window.volume.ground);
-    };
+    return [=](const ViewOptions& v) { return fly(v, ahead, right, up, ground); };
   };
   held(GLFW_KEY_W, flight(kFlight, 0, 0));
   held(GLFW_KEY_S, flight(-kFlight, 0, 0));
@@ -66,12 +64,12 @@ void camera(WindowState& window, const ImGuiIO& io) {
   held(GLFW_KEY_Q, [](const ViewOptions& v) { return roll(v, -5); });
   held(GLFW_KEY_E, [](const ViewOptions& v) { return roll(v, 5); });
   const auto zoom = [&](double factor) {
-    next.view =
-        zoomTo(next.view, factor, pane.width / 2.0, pane.height / 2.0, pane, window.volume.ground);
+    window.moveView([=](const ViewOptions& v) {
+      return zoomTo(v, factor, pane.width / 2.0, pane.height / 2.0, pane, ground);
+    });
   };
   if (pressed(GLFW_KEY_EQUAL) || pressed(GLFW_KEY_KP_ADD)) zoom(1.1);
   if (pressed(GLFW_KEY_MINUS) || pressed(GLFW_KEY_KP_SUBTRACT)) zoom(1 / 1.1);
-  window.change(next);
   if (pressed(GLFW_KEY_P)) toggleProjection(window);
   constexpr std::array kFrom{ViewOptions::From::kThreeQuarter, ViewOptions::From::kFront,
                              ViewOptions::From::kBack,         ViewOptions::From::kLeft,
@@ -123,14 +121,9 @@ void look(WindowState& window, const ImGuiIO& io) {
       next.crop = box;
     }
   }
-  if (pressed(GLFW_KEY_C) && next.clip_planes.size() < 6) {
-    const PlacedAxes axes = axesOf(next.view);
-    const auto& target = next.view.look_at->target;
-    next.clip_planes.push_back({{axes.back.x, axes.back.y, axes.back.z},
-                                dot(axes.back, Vec3d{target[0], target[1], target[2]})});
-  }
   if (pressed(GLFW_KEY_V)) next.shows_slices = !next.shows_slices;
   window.change(next);
+  if (pressed(GLFW_KEY_C)) cutHere(window);
 }
 
 void series(WindowState& window) {
@@ -147,8 +140,10 @@ void film(WindowState& window, const ImGuiIO& io) {
   if (pressed(GLFW_KEY_F)) playFilm(window);
   if (!pressed(GLFW_KEY_K)) return;
   if (!io.KeyShift) return addKey(window);
-  endFilm(window);
-  if (!window.film.path.keys.empty()) window.film.path.keys.pop_back();
+  window.afterFit([](WindowState& fitted) {
+    endFilm(fitted);
+    if (!fitted.film.path.keys.empty()) fitted.film.path.keys.pop_back();
+  });
 }
 
 }  // namespace

@@ -150,12 +150,12 @@ void lookPanel(WindowState& window) {
   window.log.control("chosen look");
   ImGui::SameLine();
   ImGui::BeginDisabled(!window.history.canUndo());
-  if (ImGui::Button("undo")) window.history.undo();
+  if (ImGui::Button("undo")) undo(window);
   window.log.control("undo");
   ImGui::EndDisabled();
   ImGui::SameLine();
   ImGui::BeginDisabled(!window.history.canRedo());
-  if (ImGui::Button("redo")) window.history.redo();
+  if (ImGui::Button("redo")) redo(window);
   window.log.control("redo");
   ImGui::EndDisabled();
 }

@@ -29,25 +29,24 @@ Does doesOf(const ImGuiIO& io) {
 
 void drag(WindowState& window, PanePoint by, float pixels) {
   const double dx = by.x * pixels, dy = by.y * pixels;
-  ViewState next = window.state();
+  const Pane pane = window.pane;
+  const Ground& ground = window.volume.ground;
+  using View = const ViewOptions&;
   switch (window.pointer.does) {
     case Does::kOrbit:
-      next.view = orbit(next.view, dx, dy, window.pane);
-      break;
+      return window.moveView([=](View view) { return orbit(view, dx, dy, pane); });
     case Does::kPan:
-      next.view = pan(next.view, dx, dy, window.pane, window.volume.ground);
-      break;
+      return window.moveView([=](View view) { return pan(view, dx, dy, pane, ground); });
     case Does::kRoll:
-      next.view = roll(next.view, -dx / 4);
-      break;
+      return window.moveView([=](View view) { return roll(view, -dx / 4); });
     case Does::kLook:
-      next.view = lookAround(next.view, dx, dy, window.pane);
-      break;
+      return window.moveView([=](View view) { return lookAround(view, dx, dy, pane); });
     case Does::kWindow: {
       const auto all = window.valueRange();
-      next.look.range = windowDragged(next.look.range.value_or(all), dx / window.pane.width,
-                                      dy / window.pane.height, all);
-      break;
+      return window.edit([&](ViewState& next) {
+        next.look.range =
+            windowDragged(next.look.range.value_or(all), dx / pane.width, dy / pane.height, all);
+      });
     }
     case Does::kHandle:
       return dragBoxHandle(window, window.pointer.handle, static_cast<float>(by.x),
@@ -55,7 +54,6 @@ void drag(WindowState& window, PanePoint by, float pixels) {
     case Does::kNothing:
       return;
   }
-  window.change(next);
 }
 
 // Asks for the value under a pointer that rests on a complete picture.
@@ -132,12 +130,13 @@ void picturePane(WindowState& window, const Area& area, float pixels) {
       // Each event of the pointer by itself: one sum of them would cut corners.
       for (const PanePoint& step : pointer.steps) drag(window, step, pixels);
     } else if (is_over && io.MouseWheel != 0) {
-      window.edit([&](ViewState& next) {
-        next.view = zoomTo(next.view, std::pow(kWheelFactor, io.MouseWheel),
-                           static_cast<double>((io.MousePos.x - area.x) * pixels),
-                           static_cast<double>((io.MousePos.y - area.y) * pixels), window.pane,
-                           window.volume.ground);
-      });
+      window.moveView(
+          [pane = window.pane, ground = window.volume.ground,
+           factor = std::pow(kWheelFactor, io.MouseWheel),
+           x = static_cast<double>((io.MousePos.x - area.x) * pixels),
+           y = static_cast<double>((io.MousePos.y - area.y) * pixels)](const ViewOptions& view) {
+            return zoomTo(view, factor, x, y, pane, ground);
+          });
     } else if (is_over) {
       hover(window, area);
     }

@@ -1,0 +1,59 @@
+#include "src/view/drawing/job_queue.h"
+
+#include <gtest/gtest.h>
+
+namespace sluice {
+namespace {
+
+template <class Task>
+const Task* taskOf(const std::optional<Job>& job) {
+  return job ? std::get_if<Task>(&job->task) : nullptr;
+}
+
+// A fit takes long on a large volume, and the window keeps all moves for it.
+TEST(JobQueue, placesAViewAfterAWishThatInterruptedIt) {
+  JobQueue queue(0.06);
+  queue.noteOpened();
+  const uint64_t number = queue.place({});
+  const std::optional<Job> placing = queue.next();
+  ASSERT_NE(taskOf<PlaceJob>(placing), nullptr);
+  queue.wish({});
+  EXPECT_TRUE(placing->stop.stop_requested()) << "the preview does not wait";
+  queue.noteCancelled(*placing);
+  const std::optional<Job> preview = queue.next();
+  ASSERT_NE(taskOf<PreviewJob>(preview), nullptr);
+  queue.notePicture(*preview->wish, true);
+  queue.probe(0.5, 0.5);
+  const std::optional<Job> again = queue.next();
+  ASSERT_NE(taskOf<PlaceJob>(again), nullptr);
+  EXPECT_EQ(taskOf<PlaceJob>(again)->number, number);
+  queue.probe(0.2, 0.2);
+  EXPECT_FALSE(again->stop.stop_requested()) << "a question waits";
+  queue.notePlaced(*taskOf<PlaceJob>(again));
+  EXPECT_NE(taskOf<ProbeJob>(queue.next()), nullptr);
+}
+
+TEST(JobQueue, placesTheNewestViewAlone) {
+  JobQueue queue(0.06);
+  queue.noteOpened();
+  queue.place({});
+  const std::optional<Job> first = queue.next();
+  const uint64_t newest = queue.place({});
+  EXPECT_TRUE(first->stop.stop_requested());
+  queue.notePlaced(*taskOf<PlaceJob>(first));  // it was through before it was stopped
+  const std::optional<Job> second = queue.next();
+  ASSERT_NE(taskOf<PlaceJob>(second), nullptr);
+  EXPECT_EQ(taskOf<PlaceJob>(second)->number, newest);
+}
+
+TEST(JobQueue, placesNoViewOfTheVolumeBefore) {
+  JobQueue queue(0.06);
+  queue.noteOpened();
+  queue.place({});
+  queue.noteOpened();
+  queue.wantReport(false);
+  EXPECT_NE(taskOf<ReportJob>(queue.next()), nullptr);
+}
+
+}  // namespace
+}  // namespace sluice
