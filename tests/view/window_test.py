@@ -141,6 +141,10 @@ def faults(folder):
         window.shot('bad file')
         window.wait(lambda line: line.get('control') == 'picture')
         window.end()
+    with Display() as display:
+        said = subprocess.run([PROGRAM, 'view', 'synth:shells,dims=20x20x20', '--log', '/dev/full'], capture_output=True, text=True,
+                              env=dict(os.environ, DISPLAY=display.name, XDG_CONFIG_HOME=f'{folder}/config'), timeout=60, check=False)
+    assert said.returncode == 1 and '/dev/full: the window\'s log cannot be written: No space' in said.stderr, said
     environment = {name: value for name, value in os.environ.items() if name not in ('DISPLAY', 'WAYLAND_DISPLAY')}
     environment['XDG_CONFIG_HOME'] = f'{folder}/config'
     said = subprocess.run([PROGRAM, 'view', 'synth:shells,dims=20x20x20'], env=environment, capture_output=True, text=True,

@@ -2,25 +2,39 @@
 
 #include <imgui.h>
 
+#include <fmt/format.h>
+
 #include <array>
+#include <cerrno>
 #include <cmath>
+#include <cstring>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "src/base/error.h"
 
 namespace sluice {
 
-EventLog::EventLog(const std::string& path) {
+EventLog::EventLog(const std::string& path) : path_(path) {
   if (path.empty()) return;
   file_.open(path, std::ios::trunc);
   if (!file_.is_open()) failSystem("{}: the window's log cannot be written there", path);
   write({{"sluice", "log"}});  // by which the next run knows the file (FileKind)
+  if (const auto fault = takeFault()) failSystem("{}", *fault);
 }
 
 void EventLog::write(const nlohmann::json& line) {
   if (!isOn()) return;
   file_ << line.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) << '\n';
   file_.flush();
+  if (file_.good()) return;
+  const int error = errno;
+  fault_ = fmt::format("{}: the window's log cannot be written: {}", path_, std::strerror(error));
+  file_.close();
+}
+
+std::optional<std::string> EventLog::takeFault() {
+  return std::exchange(fault_, std::nullopt);
 }
 
 void EventLog::control(const std::string& name) {

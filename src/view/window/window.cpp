@@ -112,6 +112,7 @@ class Window {
       turn();
     keepSettings();
     logTimes();
+    if (const auto fault = state_->log.takeFault()) state_->say(*fault);
   }
 
  private:
@@ -156,6 +157,7 @@ class Window {
       echoed_ = events_.echoes;
       window.log.write({{"echo", echoed_}});
     }
+    if (const auto fault = window.log.takeFault()) window.fail(*fault);
   }
 
   void note(const TurnTimes& turn) {
