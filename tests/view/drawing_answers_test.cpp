@@ -129,6 +129,21 @@ TEST(DrawingThread, aPlacedViewIsTheNamedOne) {
   EXPECT_LE(largest, 1);
 }
 
+TEST(DrawingThread, saysInTheWindowsWordsThatShadowsDoNotFollowGradients) {
+  DrawingThread desk(drawingOptions());
+  Seen seen(desk);
+  ASSERT_TRUE(seen.open(kVolume));
+  Wish wish = seen.wish();
+  wish.state.look.full_gradient = 0.1;
+  wish.state.look.light = LookOptions::Light::kOn;
+  wish.state.lighting.shadows = 1;
+  ASSERT_TRUE(seen.whole(desk.wish(wish)));
+  ASSERT_TRUE(seen.until([&] { return !seen.failures.empty(); }));
+  EXPECT_THAT(seen.failures.front(),
+              testing::AllOf(HasSubstr("leave out \"by gradient\""), HasSubstr("\"shadows\""),
+                             testing::Not(HasSubstr("--"))));
+}
+
 // Loads a state's file on the open volume; returns a failure's line, or empty if it was shown.
 std::string loaded(Seen& seen, const std::filesystem::path& file, const std::string& json) {
   std::ofstream(file) << json;

@@ -57,6 +57,15 @@ TEST(LookEdit, addsSurfacesApart) {
   EXPECT_EQ(withSurface({}, {7, 7}).surfaces.front().value, 7);
 }
 
+TEST(LookEdit, writesReadingsWithoutMinusZeros) {
+  EXPECT_EQ(readingText({}, {{73.2, -0.3, 42.6}, {-0.0, 1.5, -3}, -0.0}, "mm"),
+            "0 at 0, 1.5, -3 mm (voxel 73, 0, 43)");
+  ShownLook labels;
+  labels.label_names = {{3, "liver"}};
+  EXPECT_EQ(readingText(labels, {{1, 2, 3}, {4, 5, 6}, 3}, ""),
+            "3 (liver) at 4, 5, 6 (voxel 1, 2, 3)");
+}
+
 TEST(LookEdit, addsNoSurfaceWhereNoneIsDrawn) {
   EXPECT_FALSE(takesSurface({.mode = LookOptions::Mode::kMaximum}, {}));
   ShownLook labels, channels;

@@ -85,7 +85,11 @@ def sitting(folder):
         for axis in (0, 1):
             window.wait(lambda line, axis=axis: line.get('slice') == axis, since=mark)
         window.shot('cross hair')
+        # A slice is read at its own voxels.
+        window.do('mousemove', *window.place('slice 2', 0.6, 0.4))
+        read = window.wait('slice_value', since=mark)
         cross = save('cross')['cross']
+        assert read['voxel'][2] == cross[2], f'{read} at {cross}'
         assert cross != before['cross'] and cross[2] == before['cross'][2], cross
         step('no slices', lambda: window.key('v'))
 

@@ -41,7 +41,7 @@ VisibleBlocksPtr Session::blocksOf(const LookPtr& look, FrameOptions& options, R
     lost_->askNothing();
   }
   const View view = resolve(options, step_.source->layout());
-  const VisibleBlocksPtr visible =
+  VisibleBlocksPtr visible =
       planner_.visibleBlocks(step_, look, view, options, limit ? &*limit : nullptr, loses_surface);
   if (judges_surfaces) lost_->expect(visible);
   return visible;

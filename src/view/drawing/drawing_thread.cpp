@@ -3,6 +3,10 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
+#include <string>
+#include <string_view>
 #include <utility>
 
 #include "src/base/field_names.h"
@@ -17,6 +21,24 @@ void yieldToOthers() {
   constexpr int kNicer = 1;
   const auto self = static_cast<id_t>(gettid());
   setpriority(PRIO_PROCESS, self, getpriority(PRIO_PROCESS, self) + kNicer);
+}
+
+// The window's names of the options that its check boxes stand for.
+constexpr std::array kBoxes = std::to_array<std::pair<std::string_view, std::string_view>>(
+    {{"--modulate", "\"by gradient\""},
+     {"--shadows", "\"shadows\""},
+     {"--occlusion-light", "\"occlusion\""}});
+
+// An error's line in the words of the window; options without a check box keep their names.
+std::string lineInWindow(const std::exception& error) {
+  std::string line = lineInOptions(error);
+  const auto isNamed = [&](const auto& box) { return line.find(box.first) != std::string::npos; };
+  if (std::ranges::none_of(kBoxes, isNamed)) return line;
+  return renamed(line, [](std::string_view option) {
+    const auto* box =
+        std::ranges::find(kBoxes, option, [](const auto& each) { return each.first; });
+    return std::string(box == kBoxes.end() ? option : box->second);
+  });
 }
 
 }  // namespace
@@ -58,7 +80,7 @@ void DrawingThread::run() {
     } catch (const Cancelled&) {
       queue_.noteCancelled(*job);
     } catch (const std::exception& error) {
-      news_.add([&](News& news) { news.failures.push_back(lineInOptions(error)); });
+      news_.add([&](News& news) { news.failures.push_back(lineInWindow(error)); });
       queue_.noteFailed(*job);
     }
   }

@@ -60,8 +60,8 @@ void takeOpened(WindowState& window, std::unique_ptr<OpenedVolumeNews> news) {
   const OpenedVolumeNews& opened = *window.volume.news;
   window.volume.ground = groundOf(opened.info);
   window.history = History<ViewState>(opened.state);
-  // The number goes on, since the desk counts its wishes over all volumes.
   window.fit.reset();
+  // The number goes on, since the desk counts its wishes over all volumes.
   window.wishes = {.last = {}, .number = window.wishes.number, .unanswered = {}};
   window.pointer.value.reset();
   window.shown.picture = {};

@@ -72,6 +72,7 @@ struct Pointer {
   uint64_t question = 0;                  // number of the newest
   bool centers = false;                   // the answer is to come to the middle
   std::optional<VoxelProbe> value;
+  std::optional<VoxelProbe> slice_value;  // while it is over a slice
 };
 
 // Key frames or a turn; while a frame is shown instead, `view` keeps the user's own view.

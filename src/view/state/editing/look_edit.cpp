@@ -36,8 +36,17 @@ Rgb colorAt(const ShownLook& look, double value) {
 std::string valueText(const ShownLook& look, double value) {
   const auto named =
       std::ranges::lower_bound(look.label_names, value, {}, &ShownLook::LabelName::label);
-  if (named == look.label_names.end() || named->label != value) return fmt::format("{:.5g}", value);
+  if (named == look.label_names.end() || named->label != value)
+    return fmt::format("{:.5g}", value + 0.0);  // no minus zero
   return fmt::format("{:g} ({})", value, named->name);
+}
+
+std::string readingText(const ShownLook& look, const VoxelProbe& reading, const std::string& unit) {
+  // Rounded or with 0 added, no zero has a minus.
+  const auto& [voxel, world, value] = reading;
+  return fmt::format("{} at {:.4g}, {:.4g}, {:.4g}{} (voxel {}, {}, {})", valueText(look, value),
+                     world[0] + 0.0, world[1] + 0.0, world[2] + 0.0, unit.empty() ? "" : " " + unit,
+                     std::llround(voxel[0]), std::llround(voxel[1]), std::llround(voxel[2]));
 }
 
 bool blendsChannels(const LookOptions& look, const PictureOptions& picture,

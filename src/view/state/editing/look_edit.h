@@ -27,6 +27,9 @@ std::string valueText(const ShownLook& look, double value);
 // Whether the channels of a picture are blended as one medium.
 bool blendsChannels(const LookOptions& look, const PictureOptions& picture, const ShownLook& shown);
 
+// "40 at 1.5, 0, -3 mm (voxel 3, 0, 12)".
+std::string readingText(const ShownLook& look, const VoxelProbe& reading, const std::string& unit);
+
 // Whether another surface may be added to a picture with this look.
 bool takesSurface(const LookOptions& look, const ShownLook& shown);
 // One more surface: at the threshold if there is one, else in the middle of the values. Surfaces

@@ -38,6 +38,13 @@ float shareOf(const Colors& colors, double value) {
   return static_cast<float>((value - lo) / (hi - lo));
 }
 
+// The left end of the bar's numbers.
+float leftOfUprightBar(const Colors& colors, const Area& area) {
+  const float wider =
+      std::max(widthOf(wordOf(colors.front().value)), widthOf(wordOf(colors.back().value)));
+  return area.x + area.width - 24 - 6 - wider;
+}
+
 void uprightBar(const Colors& colors, const Area& area, ImDrawList& to) {
   const float x = area.x + area.width - 24, top = area.y + 20;
   const float height = std::min(160.0F, area.height / 3);
@@ -69,15 +76,26 @@ std::vector<Row> rowsOf(const ShownLook& look) {
   return rows;
 }
 
+constexpr float kBar = 60, kGap = 6;
+
+struct RowWidths {
+  float name = 0, lo = 0, hi = 0;
+};
+
+RowWidths widthsOf(const std::vector<Row>& rows) {
+  RowWidths widths;
+  for (const Row& row : rows) {
+    widths.name = std::max(widths.name, widthOf(row.name));
+    widths.lo = std::max(widths.lo, widthOf(row.lo));
+    widths.hi = std::max(widths.hi, widthOf(row.hi));
+  }
+  return widths;
+}
+
 void channelBars(WindowState& window, const Area& area, ImDrawList& to) {
-  constexpr float kBar = 60, kGap = 6;
   const std::vector<Row> rows = rowsOf(window.volume.look);
   const float font = ImGui::GetFontSize(), row_height = font + 4;
-  float lo_width = 0, hi_width = 0;
-  for (const Row& row : rows) {
-    lo_width = std::max(lo_width, widthOf(row.lo));
-    hi_width = std::max(hi_width, widthOf(row.hi));
-  }
+  const auto [name_width, lo_width, hi_width] = widthsOf(rows);
   const float right = area.x + area.width - 12, to_x = right - hi_width - kGap, x = to_x - kBar;
   float y = area.y + 12;
   for (const auto& [channel, name, lo, hi] : rows) {
@@ -97,6 +115,19 @@ void channelBars(WindowState& window, const Area& area, ImDrawList& to) {
 }
 
 }  // namespace
+
+float colorBarsLeft(const WindowState& window, const Area& area) {
+  const float right = area.x + area.width;
+  if (window.state().look.mode == LookOptions::Mode::kDepthMaximum) return right;
+  const ShownLook& look = window.volume.look;
+  if (!look.channels.empty()) {
+    const std::vector<Row> rows = rowsOf(look);
+    const RowWidths widths = widthsOf(rows);
+    if (rows.empty()) return right;
+    return right - 12 - widths.hi - 4 * kGap - kBar - widths.lo - widths.name;
+  }
+  return !look.labels && hasBar(look.colors) ? leftOfUprightBar(look.colors, area) : right;
+}
 
 void drawColorBars(WindowState& window, const Area& area) {
   if (window.state().look.mode == LookOptions::Mode::kDepthMaximum) return;  // colours of depths

@@ -54,13 +54,26 @@ void scaleBar(const WindowState& window, const Area& area, float pixels, ImDrawL
   overlayText(to, {from.x, from.y - 18}, fmt::format("{:g} {}", length, unitOf(window.info())));
 }
 
-void value(const WindowState& window, const Area& area, ImDrawList& to) {
-  if (!window.pointer.value) return;
-  const auto& [voxel, world, found] = *window.pointer.value;
-  overlayText(to, {area.x + 10, area.y + 10},
-              fmt::format("{} at {:.4g}, {:.4g}, {:.4g} {} (voxel {:.0f}, {:.0f}, {:.0f})",
-                          valueText(window.volume.look, found), world[0], world[1], world[2],
-                          unitOf(window.info()), voxel[0], voxel[1], voxel[2]));
+// The value under the pointer, in the picture or in a slice.
+const std::optional<VoxelProbe>& readingOf(const WindowState& window) {
+  const Pointer& pointer = window.pointer;
+  return window.state().shows_slices && pointer.slice_value ? pointer.slice_value : pointer.value;
+}
+
+// Width for text in the upper left corner.
+float besideBars(const WindowState& window, const Area& area, bool has_picture) {
+  const float right =
+      has_picture && window.panels.shows_axes ? colorBarsLeft(window, area) : area.x + area.width;
+  return std::max(1.0F, right - area.x - 20);
+}
+
+// Returns the lower end. Requires: there is a value.
+float value(const WindowState& window, const Area& area, float wrap, ImDrawList& to) {
+  const float top = area.y + 10;
+  const std::string words =
+      readingText(window.volume.look, *readingOf(window), unitOf(window.info()));
+  overlayText(to, {area.x + 10, top}, words, kInk, 1, wrap);
+  return top + ImGui::CalcTextSize(words.c_str(), nullptr, false, wrap).y;
 }
 
 }  // namespace
@@ -73,14 +86,19 @@ void drawOverlays(WindowState& window, const Area& area, float pixels) {
     overlayText(to, {area.x + 10, area.y + area.height - large - 8}, corner.text,
                 corner.is_final ? kInk : IM_COL32(255, 200, 110, 255),
                 corner.is_final ? 1 : kLarge);
-  if (WindowClock::now() < window.messages.saved_until) {
-    overlayText(to, {area.x + 10, area.y + 14 + ImGui::GetFontSize()}, window.messages.saved,
-                IM_COL32(150, 230, 150, 255), kLarge);
+  // These overlays belong to the picture that is shown, which may be older than the one wished for.
+  const bool has_picture = window.isOpen() && window.shown.picture.state.view.look_at.has_value();
+  const bool has_value = has_picture && readingOf(window);
+  const bool was_saved = WindowClock::now() < window.messages.saved_until;
+  const float wrap = has_value || was_saved ? besideBars(window, area, has_picture) : 0;
+  float below = area.y + 10 + ImGui::GetFontSize();
+  if (has_value) below = value(window, area, wrap, to);
+  if (was_saved) {
+    overlayText(to, {area.x + 10, below + 4}, window.messages.saved, IM_COL32(150, 230, 150, 255),
+                kLarge, wrap);
     window.loop.wakeBy(window.messages.saved_until);
   }
-  // These overlays belong to the picture that is shown, which may be older than the one wished for.
-  if (!window.isOpen() || !window.shown.picture.state.view.look_at) return;
-  value(window, area, to);
+  if (!has_picture) return;
   drawBoxHandles(window, area, pixels);
   if (!window.panels.shows_axes) return;
   axes(window, area, to);

@@ -45,7 +45,11 @@ void dragBoxHandle(WindowState& window, int face, float dx, float dy, float pixe
 
 // Draws the bars of the colours that the picture shows. Several channels have a row each.
 void drawColorBars(WindowState& window, const Area& area);
+// The left end of the bars with their words; the area's right end if there are none.
+float colorBarsLeft(const WindowState& window, const Area& area);
 
+// The place of a voxel in the world.
+Vec3d worldOf(const WindowState& window, const std::array<double, 3>& voxel);
 // `pixels`: pixels a screen unit, here and above.
 void drawBoxHandles(WindowState& window, const Area& area, float pixels);
 

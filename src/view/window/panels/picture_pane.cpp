@@ -139,6 +139,9 @@ void picturePane(WindowState& window, const Area& area, float pixels) {
           });
     } else if (is_over) {
       hover(window, area);
+    } else {
+      pointer.value.reset();
+      pointer.x = pointer.y = -1;  // asks again when it comes back
     }
   }
   drawOverlays(window, area, pixels);

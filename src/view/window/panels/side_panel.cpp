@@ -2,12 +2,20 @@
 #include <fmt/format.h>
 #include <imgui.h>
 
+#include <filesystem>
 #include <string>
 
 #include "src/view/window/panels/panels.h"
 
 namespace sluice {
 namespace {
+
+// The file's name; a grid's stands behind that of its file.
+std::string titleOf(const WindowState& window) {
+  const std::string& name = window.info().name;
+  const std::filesystem::path path = window.volume.news->volume.paths.front();
+  return path.extension() == ".vdb" ? path.filename().string() + " " + name : name;
+}
 
 void section(WindowState& window, const char* name, bool is_open, void (*panel)(WindowState&)) {
   ImGui::SetNextItemOpen(is_open, ImGuiCond_Once);
@@ -30,7 +38,7 @@ void sidePanel(WindowState& window, const Area& area) {
                    ImGuiWindowFlags_AlwaysVerticalScrollbar);  // nothing moves when it comes
   if (window.isOpen()) {
     const VolumeInfo& info = window.info();
-    ImGui::TextDisabled("%s", fmt::format("{}: {} x {} x {} {}, {}", info.name, info.dims[0],
+    ImGui::TextDisabled("%s", fmt::format("{}: {} x {} x {} {}, {}", titleOf(window), info.dims[0],
                                           info.dims[1], info.dims[2], info.type,
                                           window.volume.news->device.substr(
                                               0, window.volume.news->device.find(',')))

@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <utility>
 
 #include "src/view/window/panels/panels.h"
 
@@ -23,6 +26,30 @@ std::string nameOf(const VolumeInfo& info, size_t axis) {
 
 bool isOfStep(const WindowState& window, size_t axis) {
   return window.slices[axis].time == window.state().time;
+}
+
+// The value of a slice at a voxel, or nothing if it has no number there or is not read yet.
+std::optional<VoxelProbe> reading(const WindowState& window, size_t axis,
+                                  std::array<int64_t, 3> voxel) {
+  const SliceValues& values = window.slices[axis].values;
+  if (!isOfStep(window, axis) || window.slices[axis].at != window.state().cross[axis])
+    return std::nullopt;
+  const size_t across = axis == 0 ? 1 : 0, down = axis == 2 ? 1 : 2;
+  // A large slice has every second or third voxel.
+  const auto taken = [&](size_t a, int count) {
+    const int64_t index = std::min<int64_t>(voxel[a] / values.every, count - 1);
+    voxel[a] = index * values.every;
+    return static_cast<size_t>(index);
+  };
+  const size_t column = taken(across, values.width), row = taken(down, values.height);
+  const float value = values.values[row * static_cast<size_t>(values.width) + column];
+  if (std::isnan(value)) return std::nullopt;
+  VoxelProbe probe;
+  for (size_t a = 0; a < 3; ++a) probe.voxel[a] = static_cast<double>(voxel[a]);
+  const Vec3d world = worldOf(window, probe.voxel);
+  probe.world = {world.x, world.y, world.z};
+  probe.value = static_cast<double>(value);
+  return probe;
 }
 
 void slice(WindowState& window, size_t axis, const Area& area) {
@@ -52,10 +79,13 @@ void slice(WindowState& window, size_t axis, const Area& area) {
     return std::clamp<int64_t>(static_cast<int64_t>(share * static_cast<float>(info.dims[a])), 0,
                                info.dims[a] - 1);
   };
+  const float row = (io.MousePos.y - lo.y) / size.y;
+  std::array<int64_t, 3> pointed = next.cross;
+  pointed[across] = voxelAt(across, (io.MousePos.x - lo.x) / size.x);
+  pointed[down] = voxelAt(down, turned ? 1 - row : row);
+  if (ImGui::IsItemHovered()) window.pointer.slice_value = reading(window, axis, pointed);
   if (ImGui::IsItemActive()) {
-    const float row = (io.MousePos.y - lo.y) / size.y;
-    next.cross[across] = voxelAt(across, (io.MousePos.x - lo.x) / size.x);
-    next.cross[down] = voxelAt(down, turned ? 1 - row : row);
+    next.cross = pointed;
   } else if (ImGui::IsItemHovered() && io.MouseWheel != 0) {
     next.cross[axis] = std::clamp<int64_t>(next.cross[axis] + (io.MouseWheel > 0 ? 1 : -1), 0,
                                            info.dims[axis] - 1);
@@ -88,11 +118,15 @@ void slicesPane(WindowState& window, const Area& area) {
                ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove |
                    ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoBringToFrontOnFocus |
                    ImGuiWindowFlags_NoScrollWithMouse);
+  const auto before = std::exchange(window.pointer.slice_value, std::nullopt);
   const float width = area.width / 3;
   // Axial, coronal, sagittal.
   for (size_t i = 0; i < 3; ++i)
     slice(window, 2 - i,
           {area.x + width * static_cast<float>(i) + 3, area.y + 3, width - 6, area.height - 6});
+  const std::optional<VoxelProbe>& now = window.pointer.slice_value;
+  if (now && (!before || before->voxel != now->voxel))
+    window.log.write({{"slice_value", now->value}, {"voxel", now->voxel}});
   ImGui::End();
 }
 
