@@ -2,9 +2,15 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
+#include "src/options/option_table.h"
 #include "src/view/state/editing/camera_gestures.h"
 
 namespace sluice {
@@ -137,6 +143,128 @@ TEST(ViewPath, numbersOfTheLookAndCutsGoSmoothlyAndNeverBeyondTheirKeys) {
     EXPECT_GE(state.time, i / 100 * 2);
   }
   EXPECT_EQ(stateAt(path, {}, 150).look.threshold, 60);
+}
+
+// Two values of an option that differ in their numbers alone, the later ones greater; nullopt: the
+// option is no number.
+std::optional<std::pair<OptionValue, OptionValue>> twoValues(const OptionKind& kind) {
+  const NumberRange<double>& limits = kind.limits;
+  const double low = std::max(limits.least, 0.0) + 0.125, high = std::min(limits.most, 8.0) - 0.125;
+  switch (kind.form) {
+    case OptionForm::kWhole:
+    case OptionForm::kBytes:
+      return std::pair(int64_t{2}, int64_t{40});
+    case OptionForm::kNumber:
+    case OptionForm::kSeconds:
+      return std::pair(low, high);
+    case OptionForm::kRange:
+    case OptionForm::kAngles:
+      return std::pair(OptionReals{low, high}, OptionReals{high, low + 40});
+    case OptionForm::kColor:
+      return std::pair(OptionReals{0, 0.25, 0.5}, OptionReals{0.5, 0.75, 1});
+    case OptionForm::kBox:
+      return std::pair(OptionWholes{0, 1, 2, 9, 9, 9}, OptionWholes{9, 10, 11, 90, 91, 92});
+    case OptionForm::kPoints:
+      return std::pair(std::vector<OptionReals>{{1, 0.25}, {2, 0.5}},
+                       std::vector<OptionReals>{{10, 0.5}, {20, 1}});
+    case OptionForm::kPlanes:
+      return std::pair(std::vector<OptionReals>{{0, 0, 1, 4}},
+                       std::vector<OptionReals>{{1, 1, 2, 40}});
+    case OptionForm::kSurfaces:
+      return std::pair(std::vector<std::string>{"10:0.25:red", "30"},
+                       std::vector<std::string>{"20:0.75:blue", "90:0.5"});
+    case OptionForm::kLabels:
+      return std::pair(std::vector<std::string>{"3=ff8800:0.25", "7-9=:0"},
+                       std::vector<std::string>{"3=ff8800:0.75", "7-9=:1"});
+    case OptionForm::kChannels:
+      return std::pair(std::vector<std::string>{"0:green,400:3000,0.25"},
+                       std::vector<std::string>{"0:green,600:4000,0.75"});
+    default:
+      return std::nullopt;
+  }
+}
+
+// The first number that changes between two values.
+double firstOf(bool /*flag*/) {
+  return 0;
+}
+double firstOf(double number) {
+  return number;
+}
+double firstOf(int64_t number) {
+  return static_cast<double>(number);
+}
+double firstOf(const std::string& text) {
+  size_t at = text.find_first_of(",=");  // of a channel's range, or a label's opacity
+  if (at != std::string::npos && text[at] == '=') at = text.find(':', at);
+  return std::stod(at == std::string::npos ? text : text.substr(at + 1));
+}
+template <class Item>
+double firstOf(const std::vector<Item>& list) {
+  return firstOf(list.front());
+}
+
+// A number is known by the form of its option alone: no list of names tells which of them change.
+TEST(ViewPath, everyNumberOfTheTableGoesFromKeyToKey) {
+  const auto first = [](const OptionValue& value) {
+    return std::visit([](const auto& held) { return firstOf(held); }, value);
+  };
+  int changed = 0;
+  for (const OptionEntry& entry : optionTable()) {
+    if (entry.part == OptionPart::kCamera || entry.option.empty()) continue;
+    const auto values = twoValues(entry.kind);
+    if (!values) continue;
+    SCOPED_TRACE(entry.option);
+    ViewState from = lookingFrom({0, 0, 5}), to = from;
+    entry.set(from, values->first);
+    entry.set(to, values->second);
+    const ViewPath path = keysOf({from, to});
+    double last = first(*entry.get(from));
+    for (const int64_t frame : {5, 10, 15, 20}) {
+      const double number = first(*entry.get(stateAt(path, {}, frame)));
+      EXPECT_GT(number, last) << frame;
+      last = number;
+    }
+    ++changed;
+  }
+  EXPECT_GT(changed, 25);
+}
+
+TEST(ViewPath, surfacesLabelsAndChannelsChangeTheirNumbersAlone) {
+  ViewState a = lookingFrom({0, 0, 5}), b = a;
+  a.look.surfaces = {{10, 1, "red"}, {30, 0.5, ""}};
+  b.look.surfaces = {{20, 0.5, "blue"}, {30, 0.5, ""}};
+  a.look.label_looks = {{3, 3, "red", 0.2}, {4, 4, "red", {}}};
+  b.look.label_looks = {{3, 3, "red", 0.4}, {4, 4, "red", 0.8}};
+  a.look.channels = {{"0", "green", std::array{0.0, 10.0}, 0.2}, {"1", "red", {}, {}}};
+  b.look.channels = {{"0", "green", std::array{20.0, 30.0}, {}}, {"1", "red", {}, 0.5}};
+  const LookOptions look = stateAt(keysOf({a, b}), {}, 10).look;
+  EXPECT_EQ(look.surfaces, (std::vector<LookOptions::Surface>{{15, 0.75, "red"}, {30, 0.5, ""}}));
+  ASSERT_EQ(look.label_looks.size(), 2U);
+  EXPECT_NEAR(*look.label_looks[0].opacity, 0.3, 1e-12);
+  EXPECT_EQ(look.label_looks[1], a.look.label_looks[1]);
+  EXPECT_EQ(look.channels, (std::vector<LookOptions::Channel>{
+                               {"0", "green", std::array{10.0, 20.0}, 0.2}, {"1", "red", {}, {}}}));
+  // Other labels and channels are others, whatever their numbers.
+  b.look.label_looks[0].first = 2;
+  b.look.channels[0].channel = "2";
+  const LookOptions earlier = stateAt(keysOf({a, b}), {}, 10).look;
+  EXPECT_EQ(earlier.label_looks, a.look.label_looks);
+  EXPECT_EQ(earlier.channels, a.look.channels);
+}
+
+// The lower end moves fast between these keys before the upper one begins to.
+TEST(ViewPath, boxesStayTwoVoxelsWide) {
+  std::vector<ViewState> states(3, lookingFrom({0, 0, 5}));
+  states[0].crop = PictureOptions::Box{{0, 0, 0}, {102, 9, 9}};
+  states[1].crop = PictureOptions::Box{{100, 0, 0}, {102, 9, 9}};
+  states[2].crop = PictureOptions::Box{{200, 0, 0}, {202, 9, 9}};
+  const ViewPath path = keysOf(states);
+  for (int64_t i = 0; i < frameCount(path); ++i) {
+    const PictureOptions::Box box = *stateAt(path, {}, i).crop;
+    EXPECT_GE(box.hi[0], box.lo[0] + 2) << i;
+    EXPECT_LE(box.hi[0], 202) << i;
+  }
 }
 
 TEST(ViewPath, whatHasNoNumbersIsTheEarlierKeys) {

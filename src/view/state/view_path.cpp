@@ -9,6 +9,7 @@
 
 #include "src/base/error.h"
 #include "src/base/values/vec.h"
+#include "src/options/option_numbers.h"
 #include "src/view/state/editing/camera_gestures.h"
 
 namespace sluice {
@@ -77,21 +78,23 @@ class Between {
     return std::clamp(found, std::min(a, b), std::max(a, b));  // whatever rounding does
   }
   size_t from() const { return from_; }
+  // The keys that slopes look at: one beyond the two at either side.
+  size_t first() const { return from_ > 0 ? from_ - 1 : 0; }
+  size_t last() const { return std::min(from_ + 2, keys_.size() - 1); }
   const ViewState& state(size_t key) const { return keys_[key].state; }
 
-  // The keys around these two, as far as all of them satisfy `has`: slopes look one further.
   template <class Has>
   bool both(const Has& has) const {
     return has(state(from_)) && has(state(from_ + 1));
   }
-  // A number that some keys lack: those without it are as if they were not there.
+  // The number of an option; nullopt if one of the two keys lacks it. `get`: a key's, or nullopt.
   template <class Get>
   std::optional<double> number(const Get& get) const {
-    if (!get(state(from_)) || !get(state(from_ + 1))) return std::nullopt;
+    if (!get(from_) || !get(from_ + 1)) return std::nullopt;
     return monotone([&](size_t i) {
       // Beyond the two keys only the slope needs a value; it is flat there if none is known.
-      const std::optional<double> there = get(state(i));
-      return there ? *there : *get(state(i < from_ ? from_ : from_ + 1));
+      const std::optional<double> there = get(i);
+      return there ? *there : *get(i < from_ ? from_ : from_ + 1);
     });
   }
 
@@ -146,7 +149,7 @@ ViewOptions cameraBetween(const Between& at) {
         of([a](const ViewOptions& v) { return v.look_at->target[static_cast<size_t>(a)]; }));
   // Each turning in the half of the sphere of the one before it: the short way round.
   std::vector<Quaternion> turnings;
-  const size_t first = at.from() > 0 ? at.from() - 1 : 0;
+  const size_t first = at.first();
   const auto turningAt = [&](size_t i) {
     while (first + turnings.size() <= i) {
       Quaternion q =
@@ -174,72 +177,25 @@ ViewOptions cameraBetween(const Between& at) {
   return view;
 }
 
-LookOptions lookBetween(const Between& at) {
-  LookOptions look = at.state(at.from()).look;
-  const auto mix = [&](auto LookOptions::*member) {
-    if (const auto value = at.number([&](const ViewState& s) { return s.look.*member; }))
-      look.*member = *value;
-  };
-  mix(&LookOptions::threshold);
-  mix(&LookOptions::opacity);
-  mix(&LookOptions::full_gradient);
-  for (size_t end = 0; end < 2; ++end)
-    if (const auto value = at.number([&](const ViewState& s) {
-          return s.look.range ? std::optional((*s.look.range)[end]) : std::nullopt;
-        }))
-      (*look.range)[end] = *value;
-  // Ranges that are turned round on the way have no width there.
-  if (look.range && (*look.range)[0] == (*look.range)[1])
-    look.range = at.state(at.from()).look.range;
-  const size_t points = look.opacities.size();
-  for (size_t i = 0; i < points; ++i) {
-    const auto of = [&](auto LookOptions::Opacity::*member) {
-      return at.number([&](const ViewState& s) {
-        return s.look.opacities.size() == points ? std::optional(s.look.opacities[i].*member)
-                                                 : std::nullopt;
-      });
-    };
-    const auto value = of(&LookOptions::Opacity::value),
-               opacity = of(&LookOptions::Opacity::opacity);
-    if (!value) continue;
-    look.opacities[i].value = *value;
-    look.opacities[i].opacity = std::clamp(*opacity, 0.0, 1.0);
-    // Each is between its keys' values, but the way there may cross.
-    if (i > 0) look.opacities[i].value = std::max(*value, look.opacities[i - 1].value);
+// Sets the numbers of an option between those of the two keys, if both keys have it in one form.
+void setBetween(const Between& at, const OptionEntry& entry, ViewState& state) {
+  const std::optional<OptionValue> value = entry.get(state);
+  if (!value) return;
+  const OptionNumbers here = optionNumbers(entry.kind, *value);
+  if (here.numbers.empty()) return;
+  std::vector<OptionNumbers> around;  // of the keys from at.first() on, as far as slopes look
+  for (size_t i = at.first(); i <= at.last(); ++i) {
+    const std::optional<OptionValue> there = entry.get(at.state(i));
+    around.push_back(there ? optionNumbers(entry.kind, *there) : OptionNumbers());
   }
-  return look;
-}
-
-void cutsBetween(const Between& at, ViewState& state) {
-  for (size_t a = 0; state.crop && a < 3; ++a) {
-    const auto end = [&](bool is_high) {
-      const auto value = at.number([&](const ViewState& s) -> std::optional<double> {
-        if (!s.crop) return std::nullopt;
-        return static_cast<double>((is_high ? s.crop->hi : s.crop->lo)[a]);
-      });
-      return value ? static_cast<int64_t>(std::lround(*value))
-                   : (is_high ? state.crop->hi : state.crop->lo)[a];
-    };
-    const int64_t lo = end(false), hi = end(true);
-    state.crop->lo[a] = lo;
-    state.crop->hi[a] = hi;
-  }
-  const size_t planes = state.clip_planes.size();
-  for (size_t i = 0; i < planes; ++i) {
-    const auto part = [&](const auto& get) {
-      return at.number([&](const ViewState& s) {
-        return s.clip_planes.size() == planes ? std::optional<double>(get(s.clip_planes[i]))
-                                              : std::nullopt;
-      });
-    };
-    const auto offset = part([](const PictureOptions::Plane& plane) { return plane.offset; });
-    if (!offset) return;
-    std::array<double, 3> normal{};
-    for (size_t a = 0; a < 3; ++a)
-      normal[a] = *part([a](const PictureOptions::Plane& plane) { return plane.normal[a]; });
-    if (length(vecOf(normal)) < 1e-6) continue;  // opposite ones: the earlier stays
-    state.clip_planes[i] = {normal, *offset};
-  }
+  std::vector<std::optional<double>> numbers;
+  for (size_t n = 0; n < here.numbers.size(); ++n)
+    numbers.push_back(at.number([&](size_t i) {
+      const OptionNumbers& there = around[i - at.first()];
+      return there.hasFormOf(here) ? there.numbers[n] : std::nullopt;
+    }));
+  const OptionValue made = withNumbers(entry.kind, *value, numbers);
+  if (made != *value) entry.set(state, made);
 }
 
 ViewState keyFrameAt(const ViewPath& path, const ViewState& now, double second) {
@@ -258,18 +214,8 @@ ViewState keyFrameAt(const ViewPath& path, const ViewState& now, double second) 
   if (!is_key) {
     const Between at(path.keys, from, share);
     state.view = cameraBetween(at);
-    state.look = lookBetween(at);
-    cutsBetween(at, state);
-    state.time = std::lround(
-        *at.number([](const ViewState& s) { return std::optional(static_cast<double>(s.time)); }));
-    if (const auto step = at.number([](const ViewState& s) { return s.step_vox; }))
-      state.step_vox = step;
-    for (size_t c = 0; state.background && c < 3; ++c)
-      if (const auto channel = at.number([c](const ViewState& s) {
-            return s.background ? std::optional(static_cast<double>((*s.background)[c]))
-                                : std::nullopt;
-          }))
-        (*state.background)[c] = static_cast<float>(*channel);
+    for (const OptionEntry& entry : optionTable())
+      if (entry.part != OptionPart::kCamera) setBetween(at, entry, state);
   }
   // The cross hair and the slices are the window's, whatever the film shows.
   state.cross = now.cross;

@@ -36,12 +36,13 @@ double secondsOf(const ViewPath& path);
 // The state that frame number `frame` shows. `now` gives the view that a turn starts from and, for
 // key frames, everything that is no part of a film (such as the slices shown).
 //
-// Cameras and numbers of the look come through the key frames smoothly, at rest at both ends:
-// target, distance and zoom as logarithms, and rotation as quaternions, by cubic Hermite splines;
-// numbers that may not overshoot (thresholds, opacities, ranges, steps, crop boxes) by monotone
-// splines (Fritsch and Carlson, Monotone piecewise cubic interpolation, 1980). If two keys do not
-// both have a property in the same form (a threshold in one and points in the other, maps, modes),
-// the earlier key's holds until the later is reached. Requires: 0 <= frame < frameCount().
+// Cameras and the numbers of all options come through the key frames smoothly, at rest at both
+// ends: target, distance and zoom as logarithms, and rotation as quaternions, by cubic Hermite
+// splines; numbers of options, which may not overshoot (thresholds, light, steps, crop boxes), by
+// monotone splines (Fritsch and Carlson, Monotone piecewise cubic interpolation, 1980). What is a
+// number follows from the table of options (option_numbers.h). If two keys do not both have an
+// option in the same form (a threshold in one and points in the other, maps, modes), the earlier
+// key's holds until the later is reached. Requires: 0 <= frame < frameCount().
 ViewState stateAt(const ViewPath& path, const ViewState& now, int64_t frame);
 
 // "turn.json" next to "turn_%04d.png": the view and its path, from which `sluice render` makes the
