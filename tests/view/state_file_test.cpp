@@ -122,6 +122,22 @@ TEST(StateFile, saysWhatIsWrongWithAPath) {
               HasSubstr("at most 100000 frames"));
 }
 
+// The window may save names that are no UTF-8 as objects, but nothing else.
+TEST(StateFile, looksOfPartsAreTexts) {
+  const auto said = [](const std::string& look) {
+    return errorOf([&] { parseState(R"({"sluice": "view", "look": {)" + look + "}}", "a.json"); });
+  };
+  EXPECT_EQ(said(R"("surfaces": [{"value": 40}])"),
+            "a.json: expected a surface as a text, such as \"300:0.4:ff8800\" at "
+            "/look/surfaces/0, found an object of 1");
+  EXPECT_THAT(said(R"("surfaces": [40])"), HasSubstr("as a text, such as \"300:0.4:ff8800\""));
+  EXPECT_THAT(said(R"("label_looks": [{"first": 3}])"), HasSubstr("such as \"3=ff8800:0.4\""));
+  EXPECT_THAT(said(R"("channels": [{}])"), HasSubstr("such as \"0:green,400:3000,0.1\""));
+  const StateFile read = parseState(
+      R"({"sluice": "view", "look": {"channels": [{"bytes": "caf\u00e9:green"}]}})", "a.json");
+  EXPECT_EQ(read.state.look.channels.front().channel, "caf\xe9");
+}
+
 TEST(StateFile, anEmptyStateIsTheDefault) {
   const StateFile read = parseState(R"({"sluice": "view"})", "here");
   EXPECT_EQ(read.state, ViewState());

@@ -119,7 +119,10 @@ std::vector<std::string> textsOf(const JsonField& field, const std::string& expe
   if (!field.isArray()) field.failExpected("a list, each " + expected);
   std::vector<std::string> texts;
   for (size_t i = 0; i < field.size(); ++i) {
-    texts.push_back(fileNameOf(field[i]));
+    const JsonField item = field[i];
+    // Names of channels and of their tables may be bytes.
+    if (!item.isText() && !(item.isObject() && item.find("bytes"))) item.failExpected(expected);
+    texts.push_back(fileNameOf(item));
     if (!is_right(texts.back())) field[i].failExpected(expected);
   }
   return texts;
@@ -162,13 +165,13 @@ OptionValue valueOf(const OptionKind& kind, const JsonField& field) {
     case OptionForm::kSpacing:
       return listOf<double>(field, count);
     case OptionForm::kChannels:
-      return textsOf(field, "a look of a channel, such as 0:green,400:3000,0.1",
+      return textsOf(field, R"(the look of a channel as a text, such as "0:green,400:3000,0.1")",
                      [](const std::string& text) { return parseChannelLook(text).has_value(); });
     case OptionForm::kLabels:
-      return textsOf(field, "a look of labels, such as 3=ff8800:0.4",
+      return textsOf(field, R"(the look of labels as a text, such as "3=ff8800:0.4")",
                      [](const std::string& text) { return parseLabelLook(text).has_value(); });
     case OptionForm::kSurfaces:
-      return textsOf(field, "a surface, such as 300:0.4:ff8800",
+      return textsOf(field, R"(a surface as a text, such as "300:0.4:ff8800")",
                      [](const std::string& text) { return parseSurfaceLook(text).has_value(); });
     case OptionForm::kPoints:
     case OptionForm::kPlanes:
