@@ -143,6 +143,76 @@ TEST_F(SavedView, keyFramesNeedNoUp) {
   EXPECT_TRUE(program_.exists("f_2.png"));
 }
 
+// Two keys with one camera, and what the first and the second one have.
+std::string filmOf(const std::string& first, const std::string& second,
+                   const std::string& second_eye = "0, 0, 500") {
+  return R"({"sluice": "view", "path": {"kind": "keys", "rate": 4, "keys": [
+      {"seconds": 1, "camera": {"eye": [0, 0, 500], "target": [12, 10, 8]}, )" +
+         first + R"(}, {"camera": {"eye": [)" + second_eye + R"(], "target": [12, 10, 8]}, )" +
+         second + "}]}}";
+}
+
+TEST_F(SavedView, lightAndSurfacesChangeFromFrameToFrame) {
+  for (const auto& [first, second] : std::vector<std::pair<std::string, std::string>>{
+           {R"("depth_cueing": 0.1)", R"("depth_cueing": 1.0)"},
+           {R"("look": {"light": "on"}, "ambient": 0.1)",
+            R"("look": {"light": "on"}, "ambient": 0.9)"},
+           {R"("look": {"surfaces": ["20:0.2"]})", R"("look": {"surfaces": ["20:1"]})"}}) {
+    write("film.json", filmOf(first, second));
+    ASSERT_EQ(render(std::string(kStateVolume) + " --state film.json --force -o f_%d.png").output,
+              "");
+    for (int i = 0; i < 4; ++i)
+      EXPECT_NE(readFile(program_.folder / fmt::format("f_{}.png", i)),
+                readFile(program_.folder / fmt::format("f_{}.png", i + 1)))
+          << second << i;
+  }
+}
+
+TEST_F(SavedView, anOptionThatStopsThePathIsNamed) {
+  const std::string line =
+      "render " + std::string(kStateVolume) + " --device cpu --size 32 --state film.json ";
+  write("film.json", filmOf(R"("time": 0)", R"("time": 0)", "500, 0, 0"));
+  const CommandResult same = program_.run(line + "-o f_%d.png --azimuth 30");
+  EXPECT_EQ(same.status, 1);
+  EXPECT_EQ(
+      same.output,
+      "sluice: film.json: with --azimuth in place of the path's own values, all of its frames "
+      "are the same; give fewer options, or give -o a name without a number for one "
+      "picture\n");
+  EXPECT_FALSE(program_.exists("f_0.png"));
+  EXPECT_EQ(program_.run(line + "-o one.png --azimuth 30 -q").output, "");
+  // Something else still changes.
+  write("film.json", filmOf(R"("step": 1)", R"("step": 4)", "500, 0, 0"));
+  EXPECT_THAT(program_.run(line + "-o f_%d.png --azimuth 30").output,
+              HasSubstr("warning: film.json: --azimuth: one camera shows all frames"));
+  EXPECT_NE(readFile(program_.folder / "f_0.png"), readFile(program_.folder / "f_4.png"));
+}
+
+// An option of the look replaces that option in all frames, and no other.
+TEST_F(SavedView, framesKeepTheRestOfTheirLooks) {
+  write("film.json", filmOf(R"("look": {"threshold": 10, "opacity": 0.5})",
+                            R"("look": {"threshold": 60, "opacity": 0.1})"));
+  const std::string line = std::string(kStateVolume) + " --state film.json --force -o f_%d.png ";
+  ASSERT_EQ(render(line + "--opacity 0.2").output, "");
+  EXPECT_NE(readFile(program_.folder / "f_0.png"), readFile(program_.folder / "f_4.png"));
+  EXPECT_THAT(render(line + "--opacity 0.2 --threshold 40").output,
+              HasSubstr("film.json: with --threshold, --opacity in place"));
+}
+
+TEST_F(SavedView, looksOfKeysAreCheckedBeforeTheFirstFrame) {
+  for (const auto& [look, said] : std::vector<std::pair<std::string, std::string>>{
+           {R"("transfer": "none.json")", "none.json: cannot be read"},
+           {R"("map": "nosuch")", "expected one of viridis"},
+           {R"("channels": ["3:red"])", "that channel is not shown"}}) {
+    write("film.json", filmOf(R"("time": 0)", R"("look": {)" + look + "}"));
+    const std::string output =
+        render(std::string(kStateVolume) + " --state film.json -o f_%d.png").output;
+    EXPECT_THAT(output, testing::StartsWith("sluice: film.json: /path/keys/1: "));
+    EXPECT_THAT(output, HasSubstr(said));
+    EXPECT_FALSE(program_.exists("f_0.png")) << look;
+  }
+}
+
 TEST_F(SavedView, framesOfAPathRefuseTheOptionsOfOnePicture) {
   write("film.json", R"({"sluice": "view", "path": {"kind": "turn", "frames": 2}})");
   const std::string line = std::string(kStateVolume) + " --state film.json -o f_%d.png ";

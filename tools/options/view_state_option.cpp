@@ -76,10 +76,9 @@ StateFile without(const std::vector<const OptionEntry*>& given, StateFile file) 
 void requireNoConflict(ViewState state, const std::string& file, const std::string& place,
                        const std::vector<const OptionEntry*>& given, const ViewState& asked) {
   // Opacities that the user gave take the place of the file's labels.
-  const bool has_opacities = std::ranges::any_of(
-      given, [](const OptionEntry* of) { return std::ranges::count(kOpacities, of->option) > 0; });
-  if (has_opacities) clearOption("--labels", state);
   // The user's values are judged together with the file's, as the picture will have both.
+  if (std::ranges::any_of(given, [](const OptionEntry* of) { return givesOpacities(*of); }))
+    clearOption("--labels", state);
   for (const OptionEntry* entry : given)
     if (const auto value = entry->get(asked)) entry->set(state, *value);
   requireNoConflict(state, file, [&](std::string_view option) {
@@ -100,6 +99,10 @@ void takeFromFile(CLI::Option& option, const std::string& file) {
 }
 
 }  // namespace
+
+bool givesOpacities(const OptionEntry& entry) {
+  return std::ranges::count(kOpacities, entry.option) > 0;
+}
 
 void SavedView::requireFits(const VolumeInfo& volume) const {
   sluice::requireFits(file.state, file.path, volume, name);

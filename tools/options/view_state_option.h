@@ -34,6 +34,10 @@ struct SavedView {
   void requireFits(const VolumeInfo& volume) const;
 };
 
+// Whether the option is one of the ways to give opacities, of which one takes the place of the
+// others.
+bool givesOpacities(const OptionEntry& entry);
+
 // Adds the file's values to the options of a command that was parsed: each one that the user did
 // not give. A camera or a look of the user's, in any of its options, takes the place of all of the
 // file's. `asked`: the view that the command line asks for. Throws Error: the file, no volume in

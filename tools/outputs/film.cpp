@@ -1,9 +1,12 @@
 #include "tools/outputs/film.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <sluice/renderer.h>
 
 #include <array>
 #include <filesystem>
+#include <iterator>
 #include <optional>
 #include <string_view>
 #include <vector>
@@ -11,6 +14,7 @@
 #include "src/base/error.h"
 #include "src/options/option_rules.h"
 #include "src/view/drawing/picture_file.h"
+#include "src/view/state/view_check.h"
 #include "tools/command_line/console.h"
 #include "tools/command_line/environment.h"
 #include "tools/command_line/interrupt.h"
@@ -47,15 +51,78 @@ void checkOptions(const RenderArguments& arguments, const CLI::App& app) {
   }
 }
 
-ViewState frameState(const SavedFilm& film, const ViewState& now, int64_t frame) {
-  ViewState state = stateAt(film.path, now, frame);
-  if (film.path.kind == ViewPath::Kind::kTurn) return state;  // it is made from the given options
+// A way to give opacities takes the place of the others.
+void replaceOpacities(LookOptions& look, const LookOptions& given) {
+  look.opacities = given.opacities;
+  look.transfer_file = given.transfer_file;
+  look.labels = given.labels;
+  look.threshold = given.threshold;
+}
+
+// The state of a key or a frame with the user's options in place of its own. One option of the
+// camera replaces all of it.
+ViewState withGiven(const SavedFilm& film, const ViewState& now, ViewState state) {
   for (const OptionEntry* given : film.given) {
-    if (given->part == OptionPart::kCamera) state.view = now.view;
-    if (given->part == OptionPart::kLook) state.look = now.look;
-    if (given->part == OptionPart::kTop) given->set(state, given->get(now).value());
+    if (given->part == OptionPart::kCamera)
+      state.view = now.view;
+    else if (givesOpacities(*given))
+      replaceOpacities(state.look, now.look);
+    else
+      given->set(state, given->get(now).value());
   }
   return state;
+}
+
+ViewState frameState(const SavedFilm& film, const ViewState& now, int64_t frame) {
+  const ViewState state = stateAt(film.path, now, frame);
+  // A turn is made from the given options.
+  return film.path.kind == ViewPath::Kind::kTurn ? state : withGiven(film, now, state);
+}
+
+std::string namesOf(const std::vector<const OptionEntry*>& given) {
+  std::vector<std::string_view> names;
+  for (const OptionEntry* entry : given) names.push_back(entry->option);
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+// Throws Error if the user's options take the place of everything that changes along the path, so
+// that all frames would be one picture. Otherwise warns of a camera that stops the path's.
+void requireMotion(const SavedFilm& film, const ViewState& now, const std::string& file,
+                   bool is_quiet) {
+  if (film.path.kind == ViewPath::Kind::kTurn || film.given.empty()) return;
+  const std::vector<ViewKey>& keys = film.path.keys;
+  const auto differs = [&](const auto& valueOf) {
+    return std::ranges::any_of(
+        keys, [&](const ViewKey& key) { return valueOf(key) != valueOf(keys.front()); });
+  };
+  if (differs([](const ViewKey& key) { return key.state; }) &&
+      !differs([&](const ViewKey& key) { return withGiven(film, now, key.state); }))
+    fail(
+        "{}: with {} in place of the path's own values, all of its frames are the same; give fewer "
+        "options, or give -o a name without a number for one picture",
+        file, namesOf(film.given));
+  const auto is_camera = [](const OptionEntry* given) {
+    return given->part == OptionPart::kCamera;
+  };
+  std::vector<const OptionEntry*> camera;
+  std::ranges::copy_if(film.given, std::back_inserter(camera), is_camera);
+  if (!is_quiet && !camera.empty() && differs([](const ViewKey& key) { return key.state.view; }))
+    printWarning(fmt::format("{}: {}: one camera shows all frames, in place of the path's cameras",
+                             file, namesOf(camera)));
+}
+
+// Throws Error, which names the key, for a look that the volume cannot have, such as a file that is
+// missing: before the first frame is written.
+void requireLooks(const SavedFilm& film, const ViewState& now, Renderer& renderer,
+                  const std::string& file) {
+  const std::vector<ViewKey>& keys = film.path.keys;
+  if (film.path.kind == ViewPath::Kind::kTurn) return;
+  for (size_t i = 0; i < keys.size(); ++i) try {
+      if (i == 0 || keys[i].state.look != keys[i - 1].state.look)
+        renderer.setLook(lookOf(withGiven(film, now, keys[i].state)));
+    } catch (const Error& error) {
+      failAs(error.kind(), "{}: {}: {}", file, keyPlace(i), error.what());
+    }
 }
 
 std::vector<int64_t> missingFrames(const RenderArguments& arguments, int64_t frames) {
@@ -144,6 +211,8 @@ int writeFilm(const RenderArguments& arguments, const CLI::App& app, const Saved
   if (!now.view.look_at || !now.view.up)
     now.view = renderer.placed(pictureOf(now, width, height), watch);
   placeKeys(film.path, renderer, watch);
+  requireMotion(film, now, arguments.state_file, is_quiet);
+  requireLooks(film, now, renderer, arguments.state_file);
   ProgressMeter progress = is_quiet ? ProgressMeter()
                                     : ProgressMeter(progressLine("frames", ProgressUnit::kPieces),
                                                     static_cast<uint64_t>(frames.size()));
