@@ -100,6 +100,34 @@ TEST(CameraPath, eyeAndTargetMoveOnLines) {
   EXPECT_EQ(camera.up, (Vec3d{0.5, 0.5, 0}));
 }
 
+// Eye and target take the place of angles: one of both would be without effect, or a jump.
+TEST(CameraPath, movesByAnglesOrByPositions) {
+  const std::string eye = R"("eye": [0, 0, 10], "target": [0, 0, 0]})";
+  const auto said = [](const std::string& keys, const Camera& start = {}) {
+    try {
+      requireOneForm(pathOf(keys), start, "turn.json");
+    } catch (const Error& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_EQ(said(R"({"at": 0, )" + eye + R"(, {"at": 1, "azimuth": 90})"),
+            "turn.json: key 1: \"azimuth\" has no effect beside \"eye\" and \"target\" of key 0; "
+            "give angles or positions in all keys");
+  EXPECT_THAT(said(R"({"at": 0, "elevation": 0}, {"at": 1, )" + eye),
+              HasSubstr("turn.json: key 0: \"elevation\" has no effect beside \"eye\" and "
+                        "\"target\" of key 1"));
+  EXPECT_THAT(said(R"({"at": 0, "zoom": 2}, {"at": 1, )" + eye),
+              HasSubstr("turn.json: key 0: expected \"eye\" and \"target\", which key 1 has"));
+  EXPECT_EQ(said(R"({"at": 0, "zoom": 2, )" + eye + R"(, {"at": 1, "up": [1, 0, 0]})"), "");
+  EXPECT_EQ(said(R"({"at": 0, "azimuth": 2}, {"at": 1, "elevation": 3})"), "");
+  Camera start;
+  start.look_at = Camera::LookAt{{0, 0, 5}, {0, 0, 0}};
+  EXPECT_EQ(said(R"({"at": 0, "zoom": 2}, {"at": 1, )" + eye, start), "");
+  EXPECT_THAT(said(R"({"at": 0}, {"at": 1, "azimuth": 90})", start),
+              HasSubstr("turn.json: key 1: \"azimuth\" has no effect beside"));
+}
+
 TEST(CameraPath, readsAFile) {
   const TempFolder folder;
   writeFile(folder / "turn.json", R"({"keys": [{"at": 0, "azimuth": 7}]})");

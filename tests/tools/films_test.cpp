@@ -140,34 +140,57 @@ TEST(Paths, haveTheStepOfEachCamera) {
 }
 
 // A step with thin parts shows finer levels, and takes smaller steps.
-TEST(Paths, keepThinPartsOfEachStepAsInAPictureOfItsOwn) {
+// No picture is written before a camera that sees nothing is found.
+TEST(Paths, nameTheFrameWhoseCameraIsNone) {
   const Program program;
-  constexpr size_t kSide = 96, kStep = kSide * kSide * kSide;
-  std::string voxels(3 * kStep, '\0');
-  const auto at = [&](size_t time, size_t x, size_t y, size_t z) -> char& {
-    return voxels[time * kStep + (z * kSide + y) * kSide + x];
+  const std::string render = std::string("render ") + kSmall + " --size 16 -q -o f_%d.png ";
+  const auto said = [&](const std::string& keys, const std::string& options) {
+    writeFile(program.folder / "p.json", R"({"keys": [)" + keys + "]}");
+    const CommandResult result = program.run(render + "--path p.json " + options);
+    EXPECT_EQ(result.status, 1) << keys;
+    EXPECT_FALSE(program.exists("f_0.png")) << keys;
+    return result.output;
   };
-  for (size_t time = 0; time < 3; ++time)
-    for (size_t i = 0; i < 48 * 48 * 48; ++i)
-      at(time, 40 + i % 48, 40 + i / 48 % 48, 40 + i / 48 / 48) = '\xff';
-  for (size_t y = 0; y < kSide; ++y) at(1, 4, y, 4) = '\xff';
-  writeFile(program.folder / "s.raw", voxels);
-  ASSERT_EQ(program.run("pack s.raw --dims 96,96,96,3 --type u8 -o s.zarr --levels 3 -q").status,
-            0);
-  writeFile(program.folder / "path.json",
-            R"({"keys": [{"at": 0, "azimuth": 0}, {"at": 1, "azimuth": 0}]})");
+  EXPECT_EQ(said(R"({"at": 0, "eye": [9, 9, -30], "target": [9, 9, 0]},
+                    {"at": 1, "eye": [9, 9, 30], "target": [9, 9, 0]})",
+                 "--frames 3"),
+            "sluice: p.json: frame 1, at 0.5 of the path: the camera's eye lies on its target\n");
+  EXPECT_EQ(said(R"({"at": 0, "up": [0, 1, 0]}, {"at": 1, "up": [0, -1, 0]})", "--frames 5"),
+            "sluice: p.json: frame 2, at 0.5 of the path: the camera's up direction is 0, 0, 0: "
+            "must have a length\n");
+  EXPECT_THAT(said(R"({"at": 0, "eye": [9, 9, 30], "target": [9, 9, 0], "up": [0, 1, 0]},
+                      {"at": 1, "up": [0, 0, 1]})",
+                   "--frames 2"),
+              HasSubstr("p.json: frame 1, at 1 of the path: the camera's up direction lies along"));
+}
+
+TEST(Paths, refuseAnglesBesidePositions) {
+  const Program program;
   const std::string render =
-      "render s.zarr --threshold 80 --keep-thin --pixel-error 3 --size 96 --block 32 --view front "
-      "--fit volume --no-shade --force -q ";
-  for (const char* path : {"", "--path path.json "}) {
-    ASSERT_EQ(program.run(render + path + "--time 0:2 -o f_%d.png").status, 0);
-    for (const int time : {0, 1, 2}) {
-      ASSERT_EQ(program.run(render + fmt::format("--time {} -o one.png", time)).status, 0);
-      EXPECT_TRUE(readFile(program.folder / "one.png") ==
-                  readFile(program.folder / fmt::format("f_{}.png", time)))
-          << path << time;
-    }
-  }
+      std::string("render ") + kSmall + " --size 16 -o f_%d.png --frames 2 --path p.json ";
+  writeFile(program.folder / "p.json", R"({"keys": [
+    {"at": 0, "eye": [0, 0, 90], "target": [9, 9, 9]}, {"at": 1, "azimuth": 9}]})");
+  EXPECT_THAT(program.run(render).output,
+              testing::StartsWith("sluice: p.json: key 1: \"azimuth\" has no effect beside"));
+  writeFile(program.folder / "p.json", R"({"keys": [
+    {"at": 0, "eye": [0, 0, 90], "target": [9, 9, 9]}, {"at": 1, "zoom": 2}]})");
+  for (const std::string option : {"--azimuth 30", "--view top", "--fit volume"})
+    EXPECT_EQ(program.run(render + option).output,
+              "sluice: p.json: " + option.substr(0, option.find(' ')) +
+                  " has no effect beside the keys' \"eye\" and \"target\"; leave it out\n");
+  EXPECT_FALSE(program.exists("f_0.png"));
+}
+
+TEST(Paths, tellOfAFieldOfViewThatAnOrthographicCameraLacks) {
+  const Program program;
+  writeFile(program.folder / "p.json", R"({"keys": [{"at": 0, "fov": 20}, {"at": 1, "fov": 90}]})");
+  const std::string render =
+      std::string("render ") + kSmall + " --size 16 --force -o f_%d.png --frames 2 --path p.json ";
+  EXPECT_THAT(program.run(render).output,
+              HasSubstr("warning: p.json: \"fov\" changes nothing with an orthographic camera; "
+                        "--projection perspective has a field of view"));
+  EXPECT_THAT(program.run(render + "--projection perspective").output,
+              testing::Not(HasSubstr("warning")));
 }
 
 TEST(Paths, goAlongTheStepsOfASeries) {

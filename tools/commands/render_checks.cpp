@@ -8,7 +8,9 @@
 #include "src/library/drawing/cost/picture_memory.h"
 #include "src/library/drawing/scene/refined_frame.h"
 #include "src/library/opening/shown_channels.h"
+#include "src/options/option_rules.h"
 #include "src/view/state/view_path.h"
+#include "tools/command_line/interrupt.h"
 #include "tools/commands/debug_views.h"
 #include "tools/options/picture_checks.h"
 #include "tools/options/shared_options.h"
@@ -111,6 +113,18 @@ void checkOutput(const Arguments& arguments) {
   if (arguments.debug_view && arguments.frame.occlusion == Occlusion::kOff &&
       arguments.frame.partition == Partition::kBlocks)
     fail("--debug-view shows the effect of --occlusion and --partition boxes; give one of them");
+}
+
+void readPath(Arguments& arguments, const std::set<std::string>& given) {
+  const std::string& file = arguments.path_file;
+  if (file.empty()) return;
+  arguments.path = readCameraPath(file, interruption());
+  requireOneForm(*arguments.path, arguments.frame.camera, file);
+  if (!hasEyes(*arguments.path)) return;
+  for (const auto& [option, other] : optionsApart())
+    if (option == "--eye" && given.contains(std::string(other)))
+      fail("{}: {} has no effect beside the keys' \"eye\" and \"target\"; leave it out", file,
+           other);
 }
 
 std::optional<CutOptions> cutOf(const Arguments& arguments, Team* team) {

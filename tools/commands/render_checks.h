@@ -4,6 +4,8 @@
 
 #include <cstdint>
 #include <optional>
+#include <set>
+#include <string>
 #include <vector>
 
 #include "tools/command_line/outputs.h"
@@ -27,6 +29,9 @@ PictureOutput pictureOutput(const RenderArguments& arguments);
 
 // Throws Error, or a usage error, for options that do not go together.
 void checkOutput(const RenderArguments& arguments);
+// Reads the file of --path. Throws Error, which names it, if fields of its keys or options that the
+// user gave have no effect beside its eyes.
+void readPath(RenderArguments& arguments, const std::set<std::string>& given);
 // Throws Error if the series lacks the last step asked for, in any channel that is shown.
 void checkLastStep(const RenderArguments& arguments);
 // The cut to draw from. Throws Error if levels are asked for with --culling.

@@ -7,6 +7,7 @@
 
 #include "src/annotate/annotate.h"
 #include "src/base/error.h"
+#include "src/base/field_names.h"
 #include "tools/command_line/console.h"
 #include "tools/commands/commands.h"
 #include "tools/commands/render_checks.h"
@@ -25,7 +26,12 @@ namespace {
 
 using Arguments = RenderArguments;
 
-// Options that were given for nothing, one line each.
+// The field of a camera path's keys that an option stands for.
+std::string nameInPath(std::string_view option) {
+  return option == "--fov" ? "\"fov\"" : std::string(option);
+}
+
+// Options that were given for nothing, one line each, and such fields of a camera path.
 void warnOfIdleOptions(const Arguments& arguments, const std::set<std::string>& given,
                        const Scene& scene) {
   PictureFacts facts = pictureFacts(arguments.look, arguments.frame, arguments.culling,
@@ -36,6 +42,12 @@ void warnOfIdleOptions(const Arguments& arguments, const std::set<std::string>& 
   facts.integrates = scene.integrates(lastOptions(scene, arguments.frame, arguments.end));
   for (const std::string& line : idleOptions(given, facts))
     printWarning(fmt::format("{}: {}", scene.volume.name, line));
+  if (!arguments.path) return;
+  const bool has_fov = std::ranges::any_of(
+      arguments.path->keys, [](const CameraKey& key) { return key.field_of_view_deg.has_value(); });
+  if (!has_fov) return;
+  for (const std::string& line : idleOptions({"--fov"}, facts))
+    printWarning(fmt::format("{}: {}", arguments.path_file, renamed(line, nameInPath)));
 }
 
 void requireSingleProcess(const Arguments& arguments, const Team& team) {
@@ -145,6 +157,7 @@ int run(Arguments& arguments, CLI::App& app, Team* team) {
   if (arguments.volume.inputs.empty()) throw CLI::RequiredError("volume");
   if (team != nullptr) expectSameCommand(*team, app);
   checkOutput(arguments);
+  readPath(arguments, given);
   if (team != nullptr) requireSingleProcess(arguments, *team);
   const Outputs outputs = renderOutputs(arguments);
   const std::vector<int64_t> to_draw = framesToDraw(arguments, team);

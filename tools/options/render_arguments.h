@@ -8,6 +8,7 @@
 #include "src/base/files/numbered_name.h"
 #include "src/library/drawing/scene/refined_frame.h"
 #include "src/library/drawing/view_fit.h"
+#include "src/render/camera/camera_path.h"
 #include "tools/options/arguments.h"
 #include "tools/options/table_options.h"
 #include "tools/outputs/film_file.h"
@@ -28,6 +29,7 @@ struct RenderArguments {
   std::string output;
   std::string report_file;
   std::string path_file;
+  std::optional<CameraPath> path;  // of path_file, see readPath()
   std::string trace_file;
   std::string state_file;
   int64_t frames = 1;

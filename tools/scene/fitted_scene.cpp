@@ -4,7 +4,6 @@
 
 #include "src/base/error.h"
 #include "src/library/conversions.h"
-#include "src/render/camera/camera_path.h"
 #include "tools/command_line/interrupt.h"
 #include "tools/scene/ranks.h"
 
@@ -12,14 +11,20 @@ namespace sluice {
 namespace {
 
 // A camera per frame, of a turn or along the path; or a single one for all steps of a series.
-std::vector<Camera> camerasOf(const RenderArguments& arguments, WorldFrame frame) {
+// Throws Error for a frame of the path whose camera sees nothing, before any frame is drawn.
+std::vector<Camera> camerasOf(const RenderArguments& arguments, const VolumeLayout& layout) {
   Camera start = arguments.frame.camera;
-  if (arguments.path_file.empty()) return turnOf(start, arguments.frames);
-  const CameraPath path = readCameraPath(arguments.path_file, interruption());
-  start.up = frontAxes(start.view, frame, start.up).up;  // keys move it on
+  if (!arguments.path) return turnOf(start, arguments.frames);
+  start.up = frontAxes(start.view, layout.frame, start.up).up;  // keys move it on
   std::vector<Camera> cameras;
-  for (int64_t i = 0; i < frameCount(arguments); ++i)
-    cameras.push_back(cameraAt(path, start, i, frameCount(arguments)));
+  const int64_t count = frameCount(arguments);
+  for (int64_t i = 0; i < count; ++i) try {
+      cameras.push_back(cameraAt(*arguments.path, start, i, count));
+      requireValid(cameras.back(), layout, arguments.frame.size);
+    } catch (const Error& error) {
+      failAs(error.kind(), "{}: frame {}, at {:.3g} of the path: {}", arguments.path_file, i,
+             placeOnPath(i, count), error.what());
+    }
   return cameras;
 }
 
@@ -59,7 +64,7 @@ FittedScene fittedScene(const RenderArguments& arguments, const std::optional<Sa
   FittedScene fitted;
   fitted.scene = openScene(arguments, saved, outputs, team, finest);
   Scene& scene = *fitted.scene;
-  fitted.asked = camerasOf(arguments, scene.volume.source->layout().frame);
+  fitted.asked = camerasOf(arguments, scene.volume.source->layout());
   fitted.cameras = fitted.asked;
   const FitRequest request{fittedVolumes(scene), arguments.frame, arguments.look.this_step};
   fitCameras(fitted.cameras, arguments.fit, request, room, arguments.resources, scene.pool);

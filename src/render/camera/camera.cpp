@@ -77,7 +77,25 @@ void requireFinite(Vec3d v, const char* what) {
     failRequest("the camera's {} at {}, {}, {}: must be finite", what, v.x, v.y, v.z);
 }
 
+// The orbit of a valid camera.
+Orbit validOrbit(const Camera& camera, const VolumeLayout& layout, PictureSize size) {
+  requireValid(camera, size);
+  const Orbit orbit = orbitOf(camera, layout, size);
+  requireFinite(orbit.eye, "eye");
+  requireFinite(orbit.target, "target");
+  requireFinite(orbit.up, "up direction");
+  const Vec3d toward = orbit.target - orbit.eye;
+  if (!(length(toward) > 0)) failRequest("the camera's eye lies on its target");
+  if (!(length(cross(toward, orbit.up)) > 1e-9 * length(toward) * length(orbit.up)))
+    failRequest("the camera's up direction lies along its view");
+  return orbit;
+}
+
 }  // namespace
+
+void requireValid(const Camera& camera, const VolumeLayout& layout, PictureSize size) {
+  validOrbit(camera, layout, size);
+}
 
 void requireValid(const Camera& camera, PictureSize size) {
   if (size.width < 1 || size.height < 1)
@@ -105,26 +123,18 @@ ViewAxes axesOf(const Camera& camera, WorldFrame frame) {
 }
 
 View resolve(const Camera& camera, const VolumeLayout& layout, PictureSize size, double step_vox) {
-  requireValid(camera, size);
+  const Orbit orbit = validOrbit(camera, layout, size);
   if (!(step_vox > 0) || !std::isfinite(step_vox))
     failRequest("a step of {} voxels: must be above 0", step_vox);
-  const Orbit orbit = orbitOf(camera, layout, size);
-  requireFinite(orbit.eye, "eye");
-  requireFinite(orbit.target, "target");
-  requireFinite(orbit.up, "up direction");
   const Vec3d toward = orbit.target - orbit.eye;
-  if (!(length(toward) > 0)) failRequest("the camera's eye lies on its target");
   // Parallel to 1e-9: the right direction would be noise.
-  const Vec3d side = cross(toward, orbit.up);
-  if (!(length(side) > 1e-9 * length(toward) * length(orbit.up)))
-    failRequest("the camera's up direction lies along its view");
 
   View view;
   view.projection = camera.projection;
   view.size = size;
   view.eye = orbit.eye;
   view.forward = normalized(toward);
-  view.right = normalized(side);
+  view.right = normalized(cross(toward, orbit.up));
   view.up = cross(view.right, view.forward);
   view.half_height = orbit.half_height / camera.zoom;
   view.step = step_vox * finestSpacing(layout);

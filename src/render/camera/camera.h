@@ -61,9 +61,11 @@ struct View {
 
 // Throws Error: a zoom, an angle or an up direction that is none, a picture of no pixels.
 void requireValid(const Camera& camera, PictureSize size);
+// The same, and a view of the volume that is none: an eye on its target, an up direction along it.
+void requireValid(const Camera& camera, const VolumeLayout& layout, PictureSize size);
 
-// `step_vox` is in units of the finest spacing. Throws Error when the camera is not valid or
-// degenerate (eye on target, up along the view) or the step not positive.
+// `step_vox` is in units of the finest spacing. Throws Error when the camera is not valid or the
+// step not positive.
 View resolve(const Camera& camera, const VolumeLayout& layout, PictureSize size, double step_vox);
 
 // The directions of the picture's sides. Requires: valid, no look_at.

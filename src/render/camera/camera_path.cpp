@@ -1,5 +1,6 @@
 #include "src/render/camera/camera_path.h"
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -132,9 +133,38 @@ CameraPath readCameraPath(const std::filesystem::path& path, const StopToken& st
   return parseCameraPath(readTextFile(path, kMostBytes, "a camera path", stop), path.string());
 }
 
+bool hasEyes(const CameraPath& path) {
+  return std::ranges::any_of(path.keys, [](const CameraKey& key) { return key.eye.has_value(); });
+}
+
+void requireOneForm(const CameraPath& path, const Camera& start, const std::string& where) {
+  const auto angle = std::ranges::find_if(
+      path.keys, [](const CameraKey& key) { return key.azimuth_deg || key.elevation_deg; });
+  const auto eye =
+      std::ranges::find_if(path.keys, [](const CameraKey& key) { return key.eye.has_value(); });
+  const bool has_angle = angle != path.keys.end(), has_eye = eye != path.keys.end();
+  const auto number = [&](auto key) { return key - path.keys.begin(); };
+  if (has_angle && (has_eye || start.look_at))
+    fail(
+        "{}: key {}: \"{}\" has no effect beside \"eye\" and \"target\"{}; give angles or "
+        "positions "
+        "in all keys",
+        where, number(angle), angle->azimuth_deg ? "azimuth" : "elevation",
+        has_eye ? fmt::format(" of key {}", number(eye)) : ", which the path starts from");
+  if (has_eye && eye != path.keys.begin() && !start.look_at)
+    fail(
+        "{}: key 0: expected \"eye\" and \"target\", which key {} has; without them, the camera "
+        "would jump there",
+        where, number(eye));
+}
+
+double placeOnPath(int64_t frame, int64_t frames) {
+  return frames > 1 ? static_cast<double>(frame) / static_cast<double>(frames - 1) : 0;
+}
+
 Camera cameraAt(const CameraPath& path, const Camera& start, int64_t frame, int64_t frames) {
   // A single frame shows the beginning.
-  const double at = frames > 1 ? static_cast<double>(frame) / static_cast<double>(frames - 1) : 0;
+  const double at = placeOnPath(frame, frames);
   Pose pose{start.azimuth_deg,       start.elevation_deg, start.zoom,
             start.field_of_view_deg, start.look_at,       start.up};
   Pose before = poseAfter(pose, path.keys.front());

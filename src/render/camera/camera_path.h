@@ -4,8 +4,8 @@
 // `at` runs from 0 (first frame) to 1 (last frame), ascending. Every other field is optional and
 // keeps the value of the key before it, of the command line for the first: azimuth, elevation,
 // fov (degrees), zoom (factor), and eye, target, up (world, three numbers), the first two together.
-// azimuth and elevation turn the view that the command line names.
-// Between keys everything is linear but zoom, which is geometric.
+// azimuth and elevation turn the view that the command line names. A path has angles or eyes, see
+// requireOneForm(). Between keys everything is linear but zoom, which is geometric.
 #pragma once
 
 #include <filesystem>
@@ -31,6 +31,17 @@ struct CameraPath {
 // Throws Error with the path, the field and the expected value.
 CameraPath readCameraPath(const std::filesystem::path& path, const StopToken& stop = {});
 CameraPath parseCameraPath(std::string_view json, const std::string& where);
+
+// Eye and target take the place of angles, so a path moves by one or the other from its first key
+// on. Throws Error, which begins with `where`, for keys of both kinds, for angles beside the eye of
+// `start`, and for an eye that neither the first key nor `start` has.
+void requireOneForm(const CameraPath& path, const Camera& start, const std::string& where);
+
+// Whether some key has eye and target.
+bool hasEyes(const CameraPath& path);
+
+// The place on the path of frame `frame` of `frames`, from 0 to 1.
+double placeOnPath(int64_t frame, int64_t frames);
 
 // The camera of frame `frame` of `frames`. `start` gives the fields that no key has.
 Camera cameraAt(const CameraPath& path, const Camera& start, int64_t frame, int64_t frames);
