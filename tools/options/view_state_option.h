@@ -39,9 +39,10 @@ struct SavedView {
 bool givesOpacities(const OptionEntry& entry);
 
 // Adds the file's values to the options of a command that was parsed: each one that the user did
-// not give. A camera or a look of the user's, in any of its options, takes the place of all of the
-// file's. `asked`: the view that the command line asks for. Throws Error: the file, no volume in
-// either place, a value of the file or of the user that has no effect beside the other's.
+// not give. A camera of the user's, in any of its options, takes the place of the file's, and so
+// does a way to give opacities. `asked`: the view that the command line asks for. Throws Error: the
+// file, no volume in either place, a value of the file or of the user that has no effect beside the
+// other's.
 SavedView applyState(CLI::App& app, const std::string& file, const ViewState& asked);
 
 }  // namespace sluice
