@@ -140,6 +140,36 @@ TEST(Paths, haveTheStepOfEachCamera) {
 }
 
 // A step with thin parts shows finer levels, and takes smaller steps.
+TEST(Paths, keepThinPartsOfEachStepAsInAPictureOfItsOwn) {
+  const Program program;
+  constexpr size_t kSide = 96, kStep = kSide * kSide * kSide;
+  std::string voxels(3 * kStep, '\0');
+  const auto at = [&](size_t time, size_t x, size_t y, size_t z) -> char& {
+    return voxels[time * kStep + (z * kSide + y) * kSide + x];
+  };
+  for (size_t time = 0; time < 3; ++time)
+    for (size_t i = 0; i < 48 * 48 * 48; ++i)
+      at(time, 40 + i % 48, 40 + i / 48 % 48, 40 + i / 48 / 48) = '\xff';
+  for (size_t y = 0; y < kSide; ++y) at(1, 4, y, 4) = '\xff';
+  writeFile(program.folder / "s.raw", voxels);
+  ASSERT_EQ(program.run("pack s.raw --dims 96,96,96,3 --type u8 -o s.zarr --levels 3 -q").status,
+            0);
+  writeFile(program.folder / "path.json",
+            R"({"keys": [{"at": 0, "azimuth": 0}, {"at": 1, "azimuth": 0}]})");
+  const std::string render =
+      "render s.zarr --threshold 80 --keep-thin --pixel-error 3 --size 96 --block 32 --view front "
+      "--fit volume --no-shade --force -q ";
+  for (const char* path : {"", "--path path.json "}) {
+    ASSERT_EQ(program.run(render + path + "--time 0:2 -o f_%d.png").status, 0);
+    for (const int time : {0, 1, 2}) {
+      ASSERT_EQ(program.run(render + fmt::format("--time {} -o one.png", time)).status, 0);
+      EXPECT_TRUE(readFile(program.folder / "one.png") ==
+                  readFile(program.folder / fmt::format("f_{}.png", time)))
+          << path << time;
+    }
+  }
+}
+
 // No picture is written before a camera that sees nothing is found.
 TEST(Paths, nameTheFrameWhoseCameraIsNone) {
   const Program program;

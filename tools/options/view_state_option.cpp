@@ -76,9 +76,9 @@ StateFile without(const std::vector<const OptionEntry*>& given, StateFile file) 
 void requireNoConflict(ViewState state, const std::string& file, const std::string& place,
                        const std::vector<const OptionEntry*>& given, const ViewState& asked) {
   // Opacities that the user gave take the place of the file's labels.
-  // The user's values are judged together with the file's, as the picture will have both.
   if (std::ranges::any_of(given, [](const OptionEntry* of) { return givesOpacities(*of); }))
     clearOption("--labels", state);
+  // The user's values are judged together with the file's, as the picture will have both.
   for (const OptionEntry* entry : given)
     if (const auto value = entry->get(asked)) entry->set(state, *value);
   requireNoConflict(state, file, [&](std::string_view option) {

@@ -86,6 +86,7 @@ Orbit validOrbit(const Camera& camera, const VolumeLayout& layout, PictureSize s
   requireFinite(orbit.up, "up direction");
   const Vec3d toward = orbit.target - orbit.eye;
   if (!(length(toward) > 0)) failRequest("the camera's eye lies on its target");
+  // Parallel to 1e-9: the right direction would be noise.
   if (!(length(cross(toward, orbit.up)) > 1e-9 * length(toward) * length(orbit.up)))
     failRequest("the camera's up direction lies along its view");
   return orbit;
@@ -127,8 +128,6 @@ View resolve(const Camera& camera, const VolumeLayout& layout, PictureSize size,
   if (!(step_vox > 0) || !std::isfinite(step_vox))
     failRequest("a step of {} voxels: must be above 0", step_vox);
   const Vec3d toward = orbit.target - orbit.eye;
-  // Parallel to 1e-9: the right direction would be noise.
-
   View view;
   view.projection = camera.projection;
   view.size = size;

@@ -159,11 +159,11 @@ void requireOneForm(const CameraPath& path, const Camera& start, const std::stri
 }
 
 double placeOnPath(int64_t frame, int64_t frames) {
+  // A single frame shows the beginning.
   return frames > 1 ? static_cast<double>(frame) / static_cast<double>(frames - 1) : 0;
 }
 
 Camera cameraAt(const CameraPath& path, const Camera& start, int64_t frame, int64_t frames) {
-  // A single frame shows the beginning.
   const double at = placeOnPath(frame, frames);
   Pose pose{start.azimuth_deg,       start.elevation_deg, start.zoom,
             start.field_of_view_deg, start.look_at,       start.up};
