@@ -19,6 +19,8 @@ constexpr float kVisible = 0.5F / 255;
 // neighbours then differ invisibly, samples need not interpolate.
 constexpr int kLeastStepEntries = 4, kMostStepEntries = 8;
 
+constexpr double kMostOf8Bits = 255, kMostOf16Bits = 65535;
+
 // How many of the points lie within a distance of a device value.
 template <class Point>
 ptrdiff_t pointsNear(const std::vector<Point>& points, const ValueMap& map, double device,
@@ -31,7 +33,8 @@ ptrdiff_t pointsNear(const std::vector<Point>& points, const ValueMap& map, doub
 // Whether the table must go beyond this end of the device values `span` over which the transfer
 // function changes. Beyond the table its ends hold, so that no ramp of a step may reach one: a
 // curve has none there if it begins some entries away, or takes a 16th of the table from 0 to 1.
-// And surfaces show to both sides of them.
+// And surfaces show to both sides of them. A point counts as at the end within 32 of the 16384
+// entries: the ramps of steps are at most 8 long. Colours have no ramps, so 2 entries do.
 bool isSteepAt(double end, double span, const TransferFunction& transfer, const ValueMap& map) {
   constexpr double kSteep = 1.0 / 16, kBeside = 1.0 / 512, kEntry = 1.0 / 8192;
   const auto isSteep = [&](const auto& points) {
@@ -66,18 +69,20 @@ ValueRange changingPart(const TransferFunction& transfer, const ValueMap& map, V
     hi = std::max(hi, row.factors.back().value);
   }
   const auto [from, to] = std::minmax({map.deviceOf(lo), map.deviceOf(hi)});
-  // Something on both sides of a lone step too.
+  // Something on both sides of a lone step too, which has no span: a share of its value.
   constexpr double kMargin = 1.0 / 64, kLeastMargin = 1e-3;
   const double span = to - from,
                margin = std::max(kMargin * span, kLeastMargin * std::max(-from, to));
   ValueRange part{isSteepAt(from, span, transfer, map) ? from - margin : from,
                   isSteepAt(to, span, transfer, map) ? to + margin : to};
   if (beginsAtZero(transfer, map, all)) part.lo = std::max(part.lo, 0.0);
-  // Integers fall on entries, and floats that hold integers too.
-  constexpr double kManyIntegers = 16, kMostOf16Bits = 65535;
+  // Integers fall on entries, and floats that hold integers too. Over fewer integers than these,
+  // rounding the ends would take too many of the entries.
+  constexpr double kManyIntegers = 16;
+  const double most = map.type == DeviceType::kU8 ? kMostOf8Bits : kMostOf16Bits;
   const bool between_integers = std::floor(from) == from && std::floor(to) == to;
   if (map.type != DeviceType::kF32)
-    part = {std::max(std::floor(part.lo), 0.0), std::min(std::ceil(part.hi), kMostOf16Bits)};
+    part = {std::max(std::floor(part.lo), 0.0), std::min(std::ceil(part.hi), most)};
   else if (between_integers && span >= kManyIntegers)
     part = {std::floor(part.lo), std::ceil(part.hi)};
   return part;
@@ -87,9 +92,10 @@ ValueRange changingPart(const TransferFunction& transfer, const ValueMap& map, V
 // that a step of a series has the same entries whether or not the other steps' values are known.
 // Only if the values span much less than the transfer function, they follow from the values.
 // Labels have an entry each, and so have the values of 8 bits, unless the transfer function changes
-// over a few of them.
+// over a few of them. A look that spans four times the values, as one for other data may, leaves
+// them 4096 entries, 16 to a step of a picture's 8 bits.
 ValueRange tableRange(const TransferFunction& transfer, const ValueMap& map, ValueRange all) {
-  constexpr double kMuchOfAll = 4, kFewOfAll = 1.0 / 64, kMostOf8Bits = 255;
+  constexpr double kMuchOfAll = 4, kFewOfAll = 1.0 / 64;
   if (!(all.lo < all.hi)) return all;
   const bool of_bytes = map.type == DeviceType::kU8;
   if (of_bytes && !transfer.labels) all = {0, kMostOf8Bits};
@@ -106,7 +112,10 @@ int entryCount(ValueRange range, int most) {
   const double span = range.hi - range.lo;
   const bool has_integers = std::floor(range.lo) == range.lo && std::floor(span) == span;
   if (!has_integers || span < 1 || span > most - 1) return most;
-  return static_cast<int>(std::floor((most - 1) / span) * span) + 1;
+  // An odd number of steps a value: no value between integers that has few binary digits, as many
+  // interpolated ones have, lies midway between two entries, where rounding would decide.
+  const auto steps = static_cast<int64_t>((most - 1) / span);
+  return static_cast<int>(static_cast<double>(steps - (steps + 1) % 2) * span) + 1;
 }
 
 // Makes ramps of the steps of `entries`, see the header. Returns over how many entries.

@@ -36,7 +36,8 @@ class OpacityTable {
   // About `most_entries` entries over the values in which the transfer function changes, whatever
   // `device_range` (all device values of the volume) is: a step of a series looks the same with its
   // own range as with the range of all steps. Over `device_range` if that is less than a quarter of
-  // these values, and over all values of 8 bits.
+  // these values. Labels have an entry each, and so have values of 8 bits, unless the transfer
+  // function changes over a 64th of them.
   OpacityTable(const TransferFunction& transfer, const ValueMap& map, ValueRange device_range,
                int most_entries = 16384);
 
