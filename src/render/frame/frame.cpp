@@ -67,21 +67,23 @@ PixelRays Session::setSampling(const LookPtr& look, const VisibleBlocks& visible
   return rays;
 }
 
-FrameSetup Session::setupOf(const LookPtr& look, const VisibleBlocks& visible, const View& view,
-                            const FrameOptions& options) {
-  const VolumeLayout& volume = step_.source->layout();
-  FrameSetup setup =
-      frameSetup(view, volume, *look, step_.ranges->map, options, session_.lit && options.shades);
-  setup.has_surfaces = Planner::drawsSurfaces(step_, *look, options);
-  setup.integrates = Planner::integrates(step_, *look, view, options);
+FrameSetup Session::setupOf(const Look& look, const View& view, const FrameOptions& options) const {
+  FrameSetup setup = frameSetup(view, step_.source->layout(), look, step_.ranges->map, options,
+                                session_.lit && options.shades);
+  setup.has_surfaces = Planner::drawsSurfaces(step_, look, options);
+  setup.integrates = Planner::integrates(step_, look, view, options);
+  return setup;
+}
+
+LightVolumePtr Session::lightFor(const FrameSetup& setup, const LookPtr& look,
+                                 const VisibleBlocks& visible, const View& view,
+                                 const FrameOptions& options) {
+  if (!setup.lit || !traitsOf(options.mode).has_colors) return nullptr;
   // Decided by the options as asked for: with a time limit, which `options` may have lost, the
   // light comes from coarser levels.
-  if (setup.lit && traitsOf(options.mode).has_colors)
-    setup.light = light_.of(
-        step_, look,
-        lightsFromFinest(visible, options_, volume) ? MatterFrom::kFinest : MatterFrom::kLevels,
-        view, options, pool_);
-  return setup;
+  const bool from_finest = lightsFromFinest(visible, options_, step_.source->layout());
+  return light_.of(step_, look, from_finest ? MatterFrom::kFinest : MatterFrom::kLevels, view,
+                   options, pool_);
 }
 
 Frame Session::drawRays(const FrameValues& values, const PixelRays& rays) {
@@ -134,8 +136,9 @@ Frame Session::frame() {
   stages.plan = stage.lap();
   const DrawOrderPtr order = planner_.order(plan, eyePosition(view, step_.source->layout()),
                                             arrangementOf(*plan, options, residency_.cache()));
-  stage.lap();  // the time for the order counts in no stage
-  FrameSetup setup = setupOf(look, *visible, view, options);
+  FrameSetup setup = setupOf(*look, view, options);
+  stage.lap();  // the time for the order and the setup counts in no stage
+  setup.light = lightFor(setup, look, *visible, view, options);
   stages.light = stage.lap();
 
   lessons_.unfinished.reset();  // this frame requests again what it needs of it

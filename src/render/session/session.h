@@ -152,9 +152,12 @@ class Session {
   // Sets the distance between slices in `options`, and returns the rays through a pixel.
   PixelRays setSampling(const LookPtr& look, const VisibleBlocks& visible,
                         FrameOptions& options) const;
-  // The device's values for a frame of these blocks, with the light that arrives in the volume.
-  FrameSetup setupOf(const LookPtr& look, const VisibleBlocks& visible, const View& view,
-                     const FrameOptions& options);
+  // The device's values for a frame, without its light.
+  FrameSetup setupOf(const Look& look, const View& view, const FrameOptions& options) const;
+  // The light that arrives in the volume; null if all of it does, or the frame is not lit.
+  LightVolumePtr lightFor(const FrameSetup& setup, const LookPtr& look,
+                          const VisibleBlocks& visible, const View& view,
+                          const FrameOptions& options);
   // Draws one picture for each ray through a pixel, and keeps the ray that each pixel shows. All of
   // them see the same boxes, so the first one's report holds what was read.
   Frame drawRays(const FrameValues& values, const PixelRays& rays);
