@@ -62,7 +62,7 @@ NamedInput lookAt(const std::string& name, const OpenOptions& options) {
     input.store = folderPlace(input.file);
     return input;
   }
-  // As many bytes as any format needs to be recognized by.
+  // No format needs more bytes to be recognized.
   std::array<std::byte, 4096> bytes{};
   File file(input.file);
   input.head.assign(reinterpret_cast<const char*>(bytes.data()), file.readSome(0, bytes));

@@ -29,7 +29,7 @@ PreparedTrace traceOf(const SimulationRequest& request) {
   TraceRecord record;
   size_t count = 0;
   for (; reader->next(record); ++count) preparer.add(record);
-  if (count == 0) fail("{}: the trace holds no requests; is it cut?", request.trace);
+  if (count == 0) fail("{}: the trace is empty: it holds no requests", request.trace);
   return preparer.finish();
 }
 

@@ -62,7 +62,7 @@ void WTinyLfuPolicy::count(uint32_t index) {
   const uint8_t times = timesOf(index);
   counts_[index] = {halvings_, std::min<uint8_t>(kMostTimes, times + 1)};
   if (++counted_ < sample_) return;
-  // As the counts, which halve at the same time.
+  // It halves at the same time as the counts.
   counted_ = sample_ / 2;
   ++halvings_;
 }

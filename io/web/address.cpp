@@ -82,7 +82,7 @@ std::string printedAddress(const Address& address) {
 }
 
 std::string withoutSecrets(const std::string& name) {
-  // Of any scheme, also of those that are refused.
+  // Schemes that are refused are printed, too.
   const size_t end = name.find("://");
   if (end == name.npos) return name;
   const std::string_view scheme = std::string_view(name).substr(0, end + 3);

@@ -64,7 +64,7 @@ std::vector<DrawingPiece> DrawingPieces::cut(std::span<const BoxDraw> boxes) {
       };
       pieces.push_back({i, 1, row(band), row(band + 1), piece.waits || band > 0});
     }
-    // So that whatever follows waits first.
+    // Whatever follows waits first.
     since_wait_ = most_samples_;
     piece = {.first = i + 1, .row_hi = height};
   }

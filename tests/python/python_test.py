@@ -537,7 +537,6 @@ class Requests(unittest.TestCase):
                 (lambda: sluice.from_function(4, (4, 4, 4), 'f4'), TypeError, '^fill: expected a function'),
                 (lambda: sluice.simulate('t', page_bytes='x'), TypeError, '^page_bytes: '),
                 (lambda: sluice.simulate('t', policies='lru'), TypeError, '^policies: expected a list of names'),
-                (lambda: sluice.simulate('t', policies=['nope']), ValueError, "^policies: .* lru, .*, found 'nope'"),
                 (lambda: sluice.simulate('t', sizes=[0.5]), TypeError, '^sizes: .* whole number'),
                 (lambda: sluice.simulate('t', sizes=[-1]), ValueError, '^sizes: .* from 1, found -1$'),
                 (lambda: sluice.open(PHANTOM, channel=[]), ValueError, '^channel: expected one or more')]:
@@ -852,7 +851,7 @@ class Levels(unittest.TestCase):
             table = sluice.simulate(trace, sizes=[16, 256], policies=['lru', 'belady'])
             for column in ('policy', 'pages', 'requests', 'hits', 'misses', 'bytes_moved'):
                 self.assertEqual(table[column].tolist(), [row[column] for row in rows])
-            with self.assertRaisesRegex(sluice.Error, 'no policy is called best'):
+            with self.assertRaisesRegex(ValueError, "^policies: expected some of lru, .*, found 'best'$"):
                 sluice.simulate(trace, policies=['best'])
 
 

@@ -181,7 +181,8 @@ Command addSimulate(CLI::App& program) {
       "Trace: its format, if the name does not tell; gzip and zstd are unpacked");
   replay.bytes("--page-bytes", arguments->page_bytes,
                "Trace: bytes of a page, if the format does not tell (4096)");
-  const auto policies = wordsOf<PolicyKind>(allPolicies(), [](PolicyKind kind) { return name(kind); });
+  const auto policies =
+      wordsOf<PolicyKind>(allPolicies(), [](PolicyKind kind) { return name(kind); });
   replay.choices("--policies", policies, arguments->policies,
                  "Rows of the table (all): " + listed(namesOf(policies)));
   replay.parsed(

@@ -113,8 +113,9 @@ void readSpacings(const NrrdFields& fields, std::span<Axis> axes) {
   const auto words = perAxis(fields, "spacings", *text, axes.size());
   for (size_t i = 0; i < axes.size(); ++i) {
     const double spacing = real(fields, "spacings", words[i]);
-    if (!std::isnan(spacing)) axes[i].spacing = spacing;
     // A spacing that is no number marks an axis that is not of space, such as time.
+    if (!std::isnan(spacing))
+      axes[i].spacing = spacing;
     else if (axes.size() > 3)
       axes[i].spatial = false;
   }

@@ -132,7 +132,7 @@ int64_t ZarrPackFolder::recover(WorkerPool& pool, ProgressMeter& progress, const
     if (!hasShards() || record.bytes == 0) continue;
     offsets_[record.chunk] = record.offset;
     uint64_t& end = ends_[shardOf(static_cast<int64_t>(record.chunk))];
-    // Also of chunks that turn out to be damaged: their place is not used again.
+    // Chunks that turn out to be damaged count, too: their place is not used again.
     end = std::max(end, record.offset + record.bytes);
   }
   std::atomic<int64_t> done = 0;

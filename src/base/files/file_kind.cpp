@@ -98,8 +98,8 @@ bool hasEntry(const Existing& file, std::string_view key, std::string_view value
     return false;
   std::ifstream in(file.path, std::ios::binary);
   EntrySearch search(key, value);
-  // A log has an object a line; lines after the first do not matter.
-  // As a stream of events, so that a long report takes no memory.
+  // A log has an object a line; lines after the first do not matter. A long report takes no memory
+  // as a stream of events.
   nlohmann::json::sax_parse(in, &search, nlohmann::json::input_format_t::json, false);
   return search.isFound();
 }

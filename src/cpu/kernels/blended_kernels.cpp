@@ -314,8 +314,8 @@ bool havePlacesAlike(const KernelBox& a, const KernelBox& b) {
          a.clamps == b.clamps;
 }
 
-// For each of a block's boxes, the first one whose samples have the same places. Kinds of samples
-// differ in whether places are clamped to the box.
+// Returns, for each of a block's boxes, the first one whose samples have the same places. Kinds of
+// samples differ in whether places are clamped to the box.
 std::array<uint32_t, kMostBlended> placesOf(const KernelFrame* const* frames, const Adding* adds,
                                             const KernelBox* boxes) {
   std::array<uint32_t, kMostBlended> places;

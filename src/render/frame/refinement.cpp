@@ -50,7 +50,7 @@ bool isFinest(const VisibleBlocks& blocks) {
 uint64_t voxelBytes(const VisibleBlocks& blocks, const TimeStep& step) {
   const PyramidLayout pyramid = step.layout();
   const VoxelType type = step.source->layout().type;
-  // As the volume stores its voxels: CutOptions::most_stored_bytes limits the same bytes.
+  // Voxels count as the volume stores them, since CutOptions::most_stored_bytes limits these bytes.
   uint64_t bytes = 0;
   for (const ObjectBlock& block : blocks.blocks)
     bytes += static_cast<uint64_t>(pyramid.storedVoxels(block.name).count()) *

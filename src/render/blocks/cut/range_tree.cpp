@@ -69,7 +69,7 @@ std::vector<RangeTree::Node> firstLevelOf(const SliceRanges& finest, const Pyram
 template <class Of>
 std::vector<RangeTree::Node> levelOf(const PyramidLayout& pyramid, int level, WorkerPool& pool,
                                      const Of& of) {
-  // So many that handing out a part costs little.
+  // Parts are so large that handing one out costs little.
   constexpr int64_t kPart = 512;
   const BlockLayout& blocks = pyramid.level(level).blocks;
   std::vector<RangeTree::Node> nodes(static_cast<size_t>(blocks.blockCount()));

@@ -35,7 +35,7 @@ std::optional<StandingSpread> SpreadTally::of(const VisibleBlocks& blocks, doubl
   for (const ObjectBlock& block : blocks.blocks) {
     const auto found = by_block_.find(block.name);
     if (found == by_block_.end()) continue;
-    // By the cells that the picture shows, so that a block that hardly shows counts little.
+    // The cells that the picture shows are the weight: a block that hardly shows counts little.
     const auto weight = static_cast<double>(block.cells.count());
     // A negative scale turns values round, but a spread stays one.
     standing.largest = std::max(standing.largest, found->second.largest * std::abs(scale));
