@@ -20,7 +20,7 @@
 namespace sluice {
 
 // Version of the format: raised when the bytes, or the meaning of a function, change.
-inline constexpr uint32_t kSeriesVersion = 3;
+inline constexpr uint32_t kSeriesVersion = 2;
 
 // The inputs besides the voxels that the functions follow from.
 struct SeriesRecipe {

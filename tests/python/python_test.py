@@ -120,26 +120,6 @@ class Pictures(unittest.TestCase):
             with self.subTest(words):
                 self.assertSamePicture(volume.render(**options), self.command(PHANTOM, *words))
 
-    def test_of_a_step_of_a_series_equal_those_of_the_command(self):
-        with tempfile.TemporaryDirectory() as folder:
-            # The last step alone has a value far off those that the look is for.
-            for step in range(3):
-                voxels = ball('<f4') / 140
-                voxels[0, 0, 5] = 1000 if step == 2 else 0
-                z, y, x = voxels.shape
-                voxels.tofile(os.path.join(folder, f's_{step}_{x}x{y}x{z}_float32.raw'))
-            name = os.path.join(folder, f's_%d_{x}x{y}x{z}_float32.raw')
-            volume = sluice.open(name)
-            for options, words in [
-                (dict(opacities={0.5: 0, 0.503: 1, 0.507: 0}), ['--opacities', '0.5:0,0.503:1,0.507:0']),
-                (dict(threshold=0.3, opacity=1), ['--threshold', '0.3', '--opacity', '1'])]:
-                with self.subTest(words):
-                    renderer = sluice.Renderer(volume, device='cpu')
-                    self.assertSamePicture(
-                        renderer.render(size=64, range=(0, 1), map='red', fit='volume', time=1, **options),
-                        self.command(name, '--size', '64', '--range', '0,1', '--map', 'red', '--fit', 'volume',
-                                     '--time', '1', '--device', 'cpu', *words))
-
     def test_of_volumes_over_others_have_warnings_about_their_places(self):
         with tempfile.TemporaryDirectory() as folder:
             def nrrd(name, unit, origin):

@@ -2,10 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
-#include <string>
-#include <vector>
 
 #include "io/pictures/exr_file.h"
 #include "tests/support/vdb_writer.h"
@@ -102,57 +99,6 @@ TEST(Series, aStepAloneIsThatOfARange) {
     EXPECT_TRUE(readFile(program.folder / "one.png") == readFile(program.folder / "s_1.png"))
         << look;
   }
-}
-
-// A ball in a volume of this type, 0 outside and `peak` in its middle, and a voxel far off it.
-template <class Voxel>
-std::string ballOf(double peak, double far) {
-  constexpr int kSide = 32;
-  std::string bytes;
-  for (int i = 0; i < kSide * kSide * kSide; ++i) {
-    const double x = i % kSide - 15.2, y = i / kSide % kSide - 15.7, z = i / kSide / kSide - 16.4;
-    const double value = i == 5 ? far : peak * std::max(0.0, 1 - std::hypot(x, y, z) / 15);
-    const auto voxel = static_cast<Voxel>(value);
-    bytes.append(reinterpret_cast<const char*>(&voxel), sizeof voxel);
-  }
-  return bytes;
-}
-
-// A look that the options give in full does not depend on the values of other steps. The last step
-// has the greatest value.
-TEST(Series, aStepAloneIsThePictureOfItsRange) {
-  const Program program;
-  const auto write = [&](const std::string& type, [[maybe_unused]] auto voxel, double peak,
-                         double far) {
-    for (int step = 0; step < 3; ++step)
-      writeFile(program.folder / fmt::format("{}_{}_32x32x32_{}.raw", type, step, type),
-                ballOf<decltype(voxel)>(peak, step == 2 ? far : 0));
-  };
-  write("uint8", uint8_t{}, 180, 250);
-  write("uint16", uint16_t{}, 3000, 60000);
-  write("float32", float{}, 1, 1000);
-  struct Look {
-    std::string type, options;
-  };
-  const std::vector<Look> looks = {
-      {"uint8", "--range 0,200 --opacities 50:0,50:1,51:1,51:0"},
-      {"uint8", "--range 0,100 --opacities 50:0,50:1,51:1,51:0"},
-      {"uint16", "--range 0,3000 --opacities 1500:0,1500:1,1510:1,1510:0"},
-      {"float32", "--range 0,1 --opacities 0.5:0,0.5:1,0.503:1,0.503:0"},
-      {"float32", "--range 0,1 --threshold 0.3 --opacity 1"}};
-  for (const Look& look : looks)
-    for (const std::string more :
-         {"", "--step 0.1", "--mode average", "--mode mip", "--mode minip", "--mode attenuated-mip",
-          "--mode depth-mip", "--quality high", "--shade --shadows"}) {
-      SCOPED_TRACE(look.type + " " + look.options + " " + more);
-      const std::string render = fmt::format(
-          "render '{0}_%d_32x32x32_{0}.raw' --size 64 -q --device cpu --fit volume "
-          "--map red {1} {2} ",
-          look.type, look.options, more);
-      ASSERT_EQ(program.run(render + "--time 0 -o alone.png").status, 0);
-      ASSERT_EQ(program.run(render + "--time 0:2 -o of_%d.png").status, 0);
-      EXPECT_EQ(readFile(program.folder / "alone.png"), readFile(program.folder / "of_0.png"));
-    }
 }
 
 TEST(Series, stepsAreCountedFromZeroWhateverTheFilesNumbers) {

@@ -7,8 +7,6 @@
 // rounding may move it by one more. So a value may show if its nearest entry or one beside it has
 // an opacity. The entries for which that is true form a few intervals, which are kept in ascending
 // order. Labels lie on their entries exactly, so an entry beside one that shows does not show.
-// Values beyond an end by more than an entry are out of rounding's reach: they show only if the end
-// itself does. The table may span less than the values of a volume.
 //
 // Zero is exact, too: interpolated between zeros it is zero in any arithmetic. If it is the lower
 // end of the range, it shows only if its own entry does. A ramp that begins at the value of the
@@ -61,8 +59,8 @@ class ShownValues {
       if (!shows(entry)) continue;
       const int first = entry;
       while (entry + 1 < entries && shows(entry + 1)) ++entry;
-      // Values beyond an end look as it does.
-      add(first == 0 ? -1 : first - beside, entry == entries - 1 ? entries : entry + beside);
+      // Values below the first entry look as it does.
+      add(first == 0 ? -1 : first - beside, entry + beside);
     }
   }
 
@@ -72,14 +70,9 @@ class ShownValues {
     if (!(at > 0)) return 0;
     return at >= entries_ ? entries_ - 1 : static_cast<int>(at);
   }
-  // The same, but -1 and the number of entries for values that look as the first or the last entry
-  // does, and not as the one beside it: those beyond it by more than an entry, and a zero at the
-  // lower end of the range.
-  int placeOf(double value) const {
-    const double at = (value - lo_) * entries_a_value_;
-    if (at < -1 || (lo_ == 0 && value <= 0)) return -1;
-    return at > entries_ ? entries_ : entryOf(value);
-  }
+  // The same, but -1 for a zero at the lower end of the range and for what is below it, which looks
+  // as the first entry does and not as the one beside it.
+  int placeOf(double value) const { return lo_ == 0 && value <= 0 ? -1 : entryOf(value); }
   // False only if every sample from `lo` to `hi` has opacity 0, also one that single-precision
   // arithmetic moves to the next entry; and if lo > hi. O(log intervals).
   bool anyIn(double lo, double hi) const {

@@ -19,44 +19,24 @@ constexpr float kVisible = 0.5F / 255;
 // neighbours then differ invisibly, samples need not interpolate.
 constexpr int kLeastStepEntries = 4, kMostStepEntries = 8;
 
-constexpr double kMostOf8Bits = 255, kMostOf16Bits = 65535;
-
-// How many of the points lie within a distance of a device value.
-template <class Point>
-ptrdiff_t pointsNear(const std::vector<Point>& points, const ValueMap& map, double device,
-                     double distance) {
-  return std::ranges::count_if(points, [&](const Point& point) {
-    return std::abs(map.deviceOf(point.value) - device) <= distance;
-  });
+// Widens `all` by the values that the colours span if voxels have 8 bits, for which there are
+// entries enough. So a step of a series whose values span less gets the same entries as with the
+// range of all steps.
+ValueRange withColors(const TransferFunction& transfer, const ValueMap& map, ValueRange all) {
+  constexpr double kMostOf8Bits = 255;
+  // Tables of labels have an entry for each, and other types too many values for one each.
+  if (map.type != DeviceType::kU8 || transfer.labels || !(all.lo < all.hi)) return all;
+  const auto [from, to] = std::minmax(
+      {map.deviceOf(transfer.colors.front().value), map.deviceOf(transfer.colors.back().value)});
+  return {std::min(all.lo, std::max(std::floor(from), 0.0)),
+          std::max(all.hi, std::min(std::ceil(to), kMostOf8Bits))};
 }
 
-// Whether the table must go beyond this end of the device values `span` over which the transfer
-// function changes. Beyond the table its ends hold, so that no ramp of a step may reach one: a
-// curve has none there if it begins some entries away, or takes a 16th of the table from 0 to 1.
-// And surfaces show to both sides of them. A point counts as at the end within 32 of the 16384
-// entries: the ramps of steps are at most 8 long. Colours have no ramps, so 2 entries do.
-bool isSteepAt(double end, double span, const TransferFunction& transfer, const ValueMap& map) {
-  constexpr double kSteep = 1.0 / 16, kBeside = 1.0 / 512, kEntry = 1.0 / 8192;
-  const auto isSteep = [&](const auto& points) {
-    return pointsNear(points, map, end, kBeside * span) > 0 &&
-           pointsNear(points, map, end, kSteep * span) > 1;
-  };
-  return isSteep(transfer.opacities) || pointsNear(transfer.colors, map, end, kEntry * span) > 1 ||
-         pointsNear(transfer.surfaces, map, end, kBeside * span) > 0 ||
-         std::ranges::any_of(transfer.gradients,
-                             [&](const GradientRow& row) { return isSteep(row.factors); });
-}
-
-// Whether a ramp begins at the device value 0 and no value below 0 occurs: then 0 must be the lower
-// end of the table, so that a background of 0 is left out, see ShownValues.
-bool beginsAtZero(const TransferFunction& transfer, const ValueMap& map, ValueRange all) {
-  const double zero = map.valueOf(0);
-  return all.lo >= 0 && pointsNear(transfer.opacities, map, 0, 0) > 0 &&
-         !(opacityAt(transfer, zero) > 0);
-}
-
-// The device values over which the transfer function changes, with some beyond ends that are steep.
-ValueRange changingPart(const TransferFunction& transfer, const ValueMap& map, ValueRange all) {
+// The part of `all` over which the transfer function changes, if it is so small a part that it
+// would get few entries: simulations write a value far off the data where they know nothing. Beyond
+// the table its ends hold.
+ValueRange tableRange(const TransferFunction& transfer, const ValueMap& map, ValueRange all) {
+  constexpr double kFewOfAll = 1.0 / 64, kMargin = 1.0 / 64;
   double lo = std::min(transfer.colors.front().value, transfer.opacities.front().value);
   double hi = std::max(transfer.colors.back().value, transfer.opacities.back().value);
   for (const IsoSurface& surface : transfer.surfaces) {
@@ -69,39 +49,13 @@ ValueRange changingPart(const TransferFunction& transfer, const ValueMap& map, V
     hi = std::max(hi, row.factors.back().value);
   }
   const auto [from, to] = std::minmax({map.deviceOf(lo), map.deviceOf(hi)});
-  // Something on both sides of a lone step too, which has no span: a share of its value.
-  constexpr double kMargin = 1.0 / 64, kLeastMargin = 1e-3;
-  const double span = to - from,
-               margin = std::max(kMargin * span, kLeastMargin * std::max(-from, to));
-  ValueRange part{isSteepAt(from, span, transfer, map) ? from - margin : from,
-                  isSteepAt(to, span, transfer, map) ? to + margin : to};
-  if (beginsAtZero(transfer, map, all)) part.lo = std::max(part.lo, 0.0);
-  // Integers fall on entries, and floats that hold integers too. Over fewer integers than these,
-  // rounding the ends would take too many of the entries.
-  constexpr double kManyIntegers = 16;
-  const double most = map.type == DeviceType::kU8 ? kMostOf8Bits : kMostOf16Bits;
-  const bool between_integers = std::floor(from) == from && std::floor(to) == to;
-  if (map.type != DeviceType::kF32)
-    part = {std::max(std::floor(part.lo), 0.0), std::min(std::ceil(part.hi), most)};
-  else if (between_integers && span >= kManyIntegers)
-    part = {std::floor(part.lo), std::ceil(part.hi)};
-  return part;
-}
-
-// The values that the entries of a table span. They follow from the transfer function alone, so
-// that a step of a series has the same entries whether or not the other steps' values are known.
-// Only if the values span much less than the transfer function, they follow from the values.
-// Labels have an entry each, and so have the values of 8 bits, unless the transfer function changes
-// over a few of them. A look that spans four times the values, as one for other data may, leaves
-// them 4096 entries, 16 to a step of a picture's 8 bits.
-ValueRange tableRange(const TransferFunction& transfer, const ValueMap& map, ValueRange all) {
-  constexpr double kMuchOfAll = 4, kFewOfAll = 1.0 / 64;
-  if (!(all.lo < all.hi)) return all;
-  const bool of_bytes = map.type == DeviceType::kU8;
-  if (of_bytes && !transfer.labels) all = {0, kMostOf8Bits};
-  const ValueRange part = changingPart(transfer, map, all);
-  const double most = of_bytes || transfer.labels ? kFewOfAll : kMuchOfAll;
-  return part.lo < part.hi && part.hi - part.lo < most * (all.hi - all.lo) ? part : all;
+  // Something on both sides of a lone step too.
+  const double margin = std::max(kMargin * (to - from), 1e-3 * std::max(-from, to));
+  ValueRange part{from - margin, to + margin};
+  if (map.type != DeviceType::kF32) part = {std::floor(part.lo), std::ceil(part.hi)};
+  part = {std::max(part.lo, all.lo), std::min(part.hi, all.hi)};
+  const bool is_few = part.lo < part.hi && part.hi - part.lo < kFewOfAll * (all.hi - all.lo);
+  return is_few ? part : all;
 }
 
 // Entries of a table of labels.
@@ -112,10 +66,7 @@ int entryCount(ValueRange range, int most) {
   const double span = range.hi - range.lo;
   const bool has_integers = std::floor(range.lo) == range.lo && std::floor(span) == span;
   if (!has_integers || span < 1 || span > most - 1) return most;
-  // An odd number of steps a value: no value between integers that has few binary digits, as many
-  // interpolated ones have, lies midway between two entries, where rounding would decide.
-  const auto steps = static_cast<int64_t>((most - 1) / span);
-  return static_cast<int>(static_cast<double>(steps - (steps + 1) % 2) * span) + 1;
+  return static_cast<int>(std::floor((most - 1) / span) * span) + 1;
 }
 
 // Makes ramps of the steps of `entries`, see the header. Returns over how many entries.
@@ -156,7 +107,7 @@ int spreadSteps(std::vector<float>& entries) {
 
 OpacityTable::OpacityTable(const TransferFunction& transfer, const ValueMap& map,
                            ValueRange device_range, int most_entries)
-    : range_(tableRange(transfer, map, device_range)),
+    : range_(tableRange(transfer, map, withColors(transfer, map, device_range))),
       volume_range_(device_range),
       labels_(transfer.labels) {
   SLUICE_CHECK_LE(2, most_entries);

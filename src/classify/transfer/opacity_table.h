@@ -5,8 +5,8 @@
 // empty is empty in the picture. Entry i stands for the device value
 //   lo + i * (hi - lo) / (entries - 1);
 // a sample takes the nearest entry, or interpolates two if neighbours differ visibly. Values
-// beyond the ends look as the ends do. If the table spans fewer integers than it has
-// entries, each falls on an entry exactly.
+// beyond the ends look as the ends do. For integers of a range below the entry count, each value
+// falls on an entry exactly.
 //
 // A step of the opacity is a ramp over the few entries below it (a sixteenth to an eighth of a
 // value of 8-bit data), since a value that rounding moves across a sharp one would flip a pixel
@@ -33,16 +33,13 @@ namespace sluice {
 
 class OpacityTable {
  public:
-  // About `most_entries` entries over the values in which the transfer function changes, whatever
-  // `device_range` (all device values of the volume) is: a step of a series looks the same with its
-  // own range as with the range of all steps. Over `device_range` if that is less than a quarter of
-  // these values. Labels have an entry each, and so have values of 8 bits, unless the transfer
-  // function changes over a 64th of them.
+  // About `most_entries` entries over `device_range` (all device values of the volume), or over the
+  // part of it in which the transfer function changes if that is less than a 64th.
   OpacityTable(const TransferFunction& transfer, const ValueMap& map, ValueRange device_range,
                int most_entries = 16384);
 
   int entries() const { return static_cast<int>(opacity_.size()); }
-  // Device values of the first and the last entry; they may lie on either side of volumeRange()'s.
+  // Device values of the first and the last entry.
   ValueRange deviceRange() const { return range_; }
   // How many entries below a step are part of its ramp.
   int stepEntries() const { return step_entries_; }

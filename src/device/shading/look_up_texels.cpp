@@ -92,10 +92,10 @@ std::array<double, 2> visibleValues(const LookUp& look_up) {
   const ValueRange range = look_up.device_range;
   const int last = static_cast<int>(look_up.rgba.size() / 4) - 1;
   const double entry = (range.hi - range.lo) / std::max(1, last);
-  const int first_shown = intervals.front().first, last_shown = intervals.back().last;
-  // Ends that show stand for all values beyond them. An entry more is for rounding, see the header.
-  return {first_shown < 0 ? -kAll : range.lo + (first_shown - 1) * entry,
-          last_shown > last ? kAll : range.lo + (last_shown + 1) * entry};
+  // An entry more is for rounding, see the header.
+  const int least = intervals.front().first - 1, greatest = intervals.back().last + 1;
+  return {least < 0 ? -kAll : range.lo + least * entry,
+          greatest > last ? kAll : range.lo + greatest * entry};
 }
 
 void scaleValues(const FrameSetup& setup, double device_unit, std::vector<float>& rgba) {

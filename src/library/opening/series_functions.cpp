@@ -166,26 +166,6 @@ SeriesFunctions functionsOfFamily(const IndexedVolume& volume, const TransferFun
   return family;
 }
 
-// Extinctions of `b` by entry of `a`. If their entries stand for other values, each is the greatest
-// up to the next entries, so that between two of them `b` has no more than the lesser one.
-std::vector<float> greatestAround(const OpacityTable& a, const OpacityTable& b) {
-  std::vector<float> of_b = ExtinctionTable(b).entries();
-  const ValueRange range = a.deviceRange();
-  const int entries = a.entries(), last_of_b = b.entries() - 1;
-  if (entries == b.entries() && range == b.deviceRange()) return of_b;
-  const auto entryOfB = [&](int entry) {
-    return b.entryOf(range.lo + (range.hi - range.lo) * entry / std::max(1, entries - 1));
-  };
-  std::vector<float> result;
-  result.reserve(static_cast<size_t>(entries));
-  for (int i = 0; i < entries; ++i) {
-    const int first = i == 0 ? 0 : std::max(0, entryOfB(i - 1) - 1);
-    const int last = i + 1 == entries ? last_of_b : std::min(last_of_b, entryOfB(i + 1) + 1);
-    result.push_back(*std::max_element(of_b.begin() + first, of_b.begin() + last + 1));
-  }
-  return result;
-}
-
 }  // namespace
 
 std::vector<double> familyExponents(const OpacityTable& a, std::span<const OpacityTable> basis) {
@@ -195,8 +175,10 @@ std::vector<double> familyExponents(const OpacityTable& a, std::span<const Opaci
   std::vector<double> left(of_a.begin(), of_a.end()), exponents;
   for (const OpacityTable& b : basis) {
     double least = 1e9;
-    if (a.labels() == b.labels()) {
-      const std::vector<float> of_b = greatestAround(a, b);
+    if (a.entries() == b.entries() && a.deviceRange() == b.deviceRange() &&
+        // Only tables over the same entries can be compared entry by entry.
+        a.labels() == b.labels()) {
+      const std::vector<float> of_b = ExtinctionTable(b).entries();
       for (size_t i = 0; i < left.size(); ++i)
         if (of_b[i] > 0) least = std::min(least, left[i] / static_cast<double>(of_b[i]));
       // The look itself needs no margin.

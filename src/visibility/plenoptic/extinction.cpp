@@ -90,13 +90,9 @@ float ExtinctionTable::leastIn(double lo, double hi) const {
   // One of the ends stands for NaN, beside which a sample may show nothing.
   if (lo < kLeastNumber) return 0;
   // An additional entry on both sides covers the rounding of the device's arithmetic; see
-  // ShownValues. Values beyond the table look as its end does, and rounding does not bring them
-  // back.
-  const ValueRange range = table_.deviceRange();
-  const int end = table_.entries() - 1;
-  const double entry = (range.hi - range.lo) / std::max(1, end);
-  const int first = lo > range.hi + entry ? end : std::max(0, table_.entryOf(lo) - 1);
-  const int last = hi < range.lo - entry ? 0 : std::min(end, table_.entryOf(hi) + 1);
+  // ShownValues.
+  const int first = std::max(0, table_.entryOf(lo) - 1);
+  const int last = std::min(table_.entries() - 1, table_.entryOf(hi) + 1);
   const int entries = last - first + 1;
   const auto count = static_cast<size_t>(entries);
   const auto level = static_cast<size_t>(std::bit_width(count) - 1);

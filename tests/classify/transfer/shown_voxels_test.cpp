@@ -62,23 +62,6 @@ TEST(ShownValues, aValueBesideOneThatShowsMayShow) {
   EXPECT_TRUE(OpacityTable(ramp, {DeviceType::kU8, 1, 0}, {0, 255}).shown().anyIn(0, 0));
 }
 
-// The table of a ramp begins and ends where the ramp does, and leaves out values beside it.
-TEST(ShownValues, valuesBeyondAnEndShowOnlyIfTheEndDoes) {
-  const auto inner = [](int entry) { return entry > 0 && entry < 100; };
-  const ShownValues ramp({16, 116}, 101, inner);
-  EXPECT_FALSE(ramp.anyIn(0, 14.9));
-  EXPECT_FALSE(ramp.anyIn(117.1, 200));
-  EXPECT_TRUE(ramp.anyIn(0, 15.1)) << "rounding may move it";
-  EXPECT_TRUE(ramp.anyIn(0, 200));
-  const ShownValues all({16, 116}, 101, [](int) { return true; });
-  EXPECT_TRUE(all.anyIn(0, 0));
-  EXPECT_TRUE(all.anyIn(200, 200));
-  const ShownVoxels<uint16_t> words(ramp);
-  EXPECT_FALSE(words.any(0, 14));
-  EXPECT_TRUE(words.any(0, 16));
-  EXPECT_FALSE(words.any(118, 65535));
-}
-
 TEST(ShownValues, theLabelZeroShowsIfItHasAnOpacity) {
   for (const double opacity : {0.0, 0.5}) {
     TransferFunction labels;
