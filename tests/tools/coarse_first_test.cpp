@@ -41,6 +41,13 @@ class CoarseFirst : public testing::Test {
   }
   Rgba8Picture picture() const { return readPng(program_.folder / "x.png"); }
   void removeIndex() const { std::filesystem::remove_all(program_.folder / "cache"); }
+  // As levels that another program made: means without spreads.
+  void removeSpreads() const {
+    std::filesystem::remove_all(program_.folder / "v.zarr/spread");
+    std::string attributes = readFile(program_.folder / "v.zarr/.zattrs");
+    attributes.replace(attributes.find("spreads"), 7, "nothing");
+    writeFile(program_.folder / "v.zarr/.zattrs", attributes);
+  }
   // Chunks have checksums: reading one of these is an error.
   void spoilLevelZero() const {
     for (const auto& file :
@@ -148,10 +155,7 @@ TEST_F(CoarseFirst, rangesOfTheBlocksThatAPictureReadsAreKept) {
 }
 
 TEST_F(CoarseFirst, levelsOfAnotherProgramAreDrawnWithoutLevelZeroToo) {
-  std::filesystem::remove_all(program_.folder / "v.zarr/spread");
-  std::string attributes = readFile(program_.folder / "v.zarr/.zattrs");
-  attributes.replace(attributes.find("spreads"), 7, "nothing");
-  writeFile(program_.folder / "v.zarr/.zattrs", attributes);
+  removeSpreads();
   spoilLevelZero();
   const json report = render("--pixel-error 2");
   EXPECT_EQ(report["cut"]["spreads"], false);
@@ -262,10 +266,7 @@ TEST_F(CoarseFirst, aRowWithoutNumbersReplacesItsPicture) {
 
 // Levels of a store that others wrote have no spreads: unasked, they are not drawn.
 TEST_F(CoarseFirst, aRowEndsWithThePictureThatIsDrawnUnasked) {
-  std::filesystem::remove_all(program_.folder / "v.zarr/spread");
-  std::string attributes = readFile(program_.folder / "v.zarr/.zattrs");
-  attributes.replace(attributes.find("spreads"), 7, "nothing");
-  writeFile(program_.folder / "v.zarr/.zattrs", attributes);
+  removeSpreads();
   render("--pixel-error 1");  // makes the index
   const auto without = [&](const char* more) {
     render(more);
@@ -282,6 +283,20 @@ TEST_F(CoarseFirst, aRowEndsWithThePictureThatIsDrawnUnasked) {
     for (size_t i = 0; i < drawn.size(); ++i)
       most = std::max(most, std::abs(drawn[i] - expected[i]));
     EXPECT_LE(most, 1);
+  }
+}
+
+// The whole finest level could not be begun in part, as a cut can.
+TEST_F(CoarseFirst, aRowWithATimeLimitEndsWithTheCut) {
+  removeSpreads();
+  render("--pixel-error 1");  // makes the index
+  const auto expected = picture().rgba;
+  for (const char* more : {"", "--progressive"}) {
+    SCOPED_TRACE(more);
+    const json report = render(std::string("--time-limit 1000s ") + more);
+    EXPECT_EQ(finestLevels(report["frames"][0]["pictures"]), (std::vector<int>{3, 2}));
+    EXPECT_EQ(report["cut"]["final"], true);
+    EXPECT_EQ(picture().rgba, expected);
   }
 }
 

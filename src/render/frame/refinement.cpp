@@ -67,6 +67,7 @@ Refinement::Refinement(const std::vector<RefinedLayer>& layers, RefinedPainter p
   int most_levels = 1;
   for (size_t i = 0; i < layers.size(); ++i) {
     const RefinedLayer& of = layers[i];
+    SLUICE_CHECK(!until || !of.ends_uncut);
     const FrameOptions own = painter_.options_of(i, frame);
     auto layer = std::make_unique<Layer>(Layer{of, false, nullptr, LevelCut(pool), nullptr, 0});
     layer->has_cut = drawsCut(of.step, own.cut, own.mode, of.transfer);

@@ -29,6 +29,8 @@ struct RefinedLayer {
   TimeStep step;  // the session's
   const TransferFunction& transfer;
   // The last picture shows its finest level without a cut: nobody asked for one but the row.
+  // Requires: the row has no time limit, since the bytes of a picture without a cut are not
+  // counted.
   bool ends_uncut = false;
 };
 
