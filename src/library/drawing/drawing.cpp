@@ -53,6 +53,7 @@ Drawing::Drawing(std::shared_ptr<const OpenedVolume> opened, const LookOptions& 
       scene_(sceneOf(opened_, look, options)),
       mode_(modeOf(look)),
       session_frame_(sessionFrame(opened_.get(), look, options)),
+      session_combine_(scene_.combine),
       pipeline_(options.pipeline) {
   if (options.screen != nullptr) screen_ = dynamic_cast<DrawsForScreens*>(scene_.device.get());
 }
@@ -62,10 +63,7 @@ void Drawing::setLook(const LookOptions& look) {
   FrameOptions frame = session_frame_;
   frame.mode = mode;
   frame.lighting = {};  // of an earlier picture
-  const bool did_blend = scene_.blends();
   scene_.setLook(lookArguments(look, opened_->whole_series), frame);
-  // Blended channels need pages for equal numbers of blocks, so the memory is shared out anew.
-  if (scene_.blends() != did_blend) scene_.openSession(session_frame_, noMoreBytes);
   asked_look_ = look;
   mode_ = mode;
   ++looks_;
@@ -138,9 +136,7 @@ FrameOptions Drawing::framed(const PictureOptions& picture, const TimeStep& step
 FrameOptions Drawing::looked(const PictureOptions& picture, const TimeStep& step,
                              const IndexPass& pass) {
   FrameOptions options = framed(picture, step, pass);
-  const bool did_blend = scene_.blends();
   scene_.setCombining(options);
-  if (scene_.blends() != did_blend) scene_.openSession(session_frame_, noMoreBytes);
   // A cut may hold no more than the memory has room for.
   if (options.cut) options.cut->most_held_bytes = cutBytes(scene_.memory_bytes, PictureRow::kMore);
   if (!picture.step_vox) {
@@ -168,11 +164,7 @@ Drawing::ReadyFrame Drawing::ready(const PictureOptions& picture, const IndexPas
         "part");
   options.stop = teller.stop();
   options.watch = teller.watch(Progress::Stage::kDrawing);
-  // Light that looks around has a share of the memory from the first such picture on.
-  if (options.lighting.looksAround() && !session_frame_.lighting.looksAround()) {
-    session_frame_.lighting = options.lighting;
-    scene_.openSession(session_frame_, noMoreBytes);
-  }
+  openSessionFor(options);
   scene_.setTimeStep(steps);
   scene_.setOptions(options);
   if (picture.next_time && *picture.next_time != picture.time)
@@ -376,27 +368,14 @@ std::optional<VoxelProbe> Drawing::probe(const PictureOptions& picture, double r
   const TimeStep step = stepAt(picture.time, reading.pass);
   const FrameOptions options = framed(picture, step, reading.pass);
   const View view = resolve(options.camera, layout(), options.size, 1);
-  return probeAlong({options, view, scene_.look.transfer, right, down}, *scene_.session, step,
+  return probeAlong({options, view, scene_.look.transfer, right, down}, session(), step,
                     teller.stop());
 }
 
 SliceValues Drawing::slice(const SliceOptions& slice, ProgressTeller& teller) {
   refuseInSitu("slice()");
   const Reading reading(*this, teller);
-  return sliceOf(slice, *scene_.session, stepAt(slice.time, reading.pass), teller.stop());
-}
-
-void Drawing::recordTo(const std::string& path) {
-  if (!path.empty()) scene_.requireNoOtherFiles(path);
-  scene_.recordTo(path);
-}
-
-Drawing::~Drawing() {
-  try {
-    scene_.keepLearntRanges();
-    recordTo({});
-  } catch (const std::exception&) {  // NOLINT: nobody is there to be told
-  }
+  return sliceOf(slice, session(), stepAt(slice.time, reading.pass), teller.stop());
 }
 
 }  // namespace sluice

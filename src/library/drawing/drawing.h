@@ -102,8 +102,15 @@ class Drawing {
   FrameOptions asked(const PictureOptions& picture) const;
   // The same with the camera framed.
   FrameOptions framed(const PictureOptions& picture, const TimeStep& step, const IndexPass& pass);
-  // The same with the options that follow from the look.
+  // The same with the options that follow from the look. The scene combines its layers as such a
+  // frame does from now on; the session stays, since not every such frame is drawn.
   FrameOptions looked(const PictureOptions& picture, const TimeStep& step, const IndexPass& pass);
+  // Makes sure that the session is open and has memory for such a frame, of which the scene knows
+  // the combining. Its contents stay unless the memory has to be shared out in another way. Throws
+  // Error if the memory is too little; pictures as before can be drawn then.
+  void openSessionFor(const FrameOptions& options);
+  // The open session. Throws Error if it failed to open.
+  Session& session() const;
   std::vector<uint8_t> blockClasses() const;
   // The step of each channel with the series' range of values. Throws Error when the volume has no
   // such step.
@@ -122,6 +129,7 @@ class Drawing {
   Scene scene_;
   Mode mode_;
   FrameOptions session_frame_;  // frames that the session has memory for
+  Combine session_combine_;     // and how their layers are combined
   const PipelineOptions pipeline_;
   int64_t looks_ = 0;  // looks set so far
   // The step that is drawn and the one that is read ahead.

@@ -73,7 +73,7 @@ RenderReport Drawing::report(bool maps) const {
                        .peak_bytes = c.peak_bytes,
                        .budget_bytes = c.budget_bytes};
   };
-  const TextureCache& cache = scene_.session->textureCache();
+  const TextureCache& cache = session().textureCache();
   const LevelCounters counters = scene_.levelCounters();
   RenderReport report;
   report.seconds = report_.seconds;
@@ -97,7 +97,7 @@ RenderReport Drawing::report(bool maps) const {
   report.texture_buffer = level(counters.texture_buffer);
   report.texture_cache = level(counters.texture_cache);
   report.pages = counters.pages;
-  report.page_bytes = static_cast<uint64_t>(scene_.session->page().pageBytes());
+  report.page_bytes = static_cast<uint64_t>(session().page().pageBytes());
   if (!maps) return report;
   // The first channel's chunks, numbered in the order of their first pages.
   std::unordered_map<ChunkId, uint32_t> numbers;
@@ -114,7 +114,7 @@ RenderReport Drawing::report(bool maps) const {
 
 std::vector<uint8_t> Drawing::blockClasses() const {
   const int64_t blocks = opened_->volume.layout.blockCount();
-  const VisibleBlocksPtr visible = scene_.session->lastVisible();
+  const VisibleBlocksPtr visible = session().lastVisible();
   if (visible == nullptr || blocks > RenderReport::kMostMappedBlocks) return {};
   std::vector<uint8_t> classes(static_cast<size_t>(blocks), 0);
   const BlockLayout& finest = opened_->volume.layout;

@@ -86,6 +86,7 @@ void Scene::openSession(const FrameOptions& frame, const MoreBytes& more_bytes) 
       layer.beside_bytes = shares[i].beside_bytes;
     }
     for (Layer* layer : layers()) openSession(*layer, frame.partition);
+    opened_to_blend_ = blends();
   } catch (const Error& error) {
     for (Layer* opened : layers()) opened->session.reset();  // none outlives the device
     const auto needOf = [&](uint64_t memory) { return needOfMemory(frame, more_bytes, memory); };
@@ -126,7 +127,8 @@ void Scene::setLook(const LookArguments& asked_look, const FrameOptions& frame) 
   asked = asked_look;
   for (size_t i = 0; i < chosen.size(); ++i) {
     Layer& layer = *layers()[i];
-    layer.session->setTransferFunction(chosen[i].transfer);
+    // Without a session after a failure, the next one gets the look.
+    if (layer.session != nullptr) layer.session->setTransferFunction(chosen[i].transfer);
     layer.look = std::move(chosen[i]);
   }
   setCombining(frame);
@@ -324,7 +326,7 @@ void Scene::requireNoOtherFiles(const std::string& path) const {
 void Scene::recordTo(const std::string& path) {
   const std::vector<Layer*> all = layers();
   for (Layer* layer : all) {
-    layer->session->recordTo(nullptr);
+    if (layer->session != nullptr) layer->session->recordTo(nullptr);
     if (layer->trace != nullptr) layer->trace->finish();
     layer->trace.reset();
   }

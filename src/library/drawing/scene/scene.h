@@ -120,13 +120,13 @@ struct Scene : Layer {
   // Error if the memory is too little.
   void openSession(const FrameOptions& frame, const MoreBytes& more_bytes);
   // The look of frames like this one. Throws Error from a transfer function's file, or for layers
-  // that cannot be blended; the looks are the same then. The caller opens the session anew if
-  // blends() changes.
+  // that cannot be blended; the looks are the same then. The caller opens the session anew before
+  // the next frame unless isOpen().
   void setLook(const LookArguments& look, const FrameOptions& frame);
   // The options of frames from now on, with the light of the first layer's look.
   void setOptions(const FrameOptions& options);
-  // Chooses how the layers of such frames become one picture. The caller opens the session anew if
-  // blends() changes.
+  // Chooses how the layers of such frames become one picture. The caller opens the session anew
+  // before the next frame unless isOpen().
   void setCombining(const FrameOptions& frame);
   // The time step that frames show from now on, and the one after the next frame: of each layer.
   void setTimeStep(const std::vector<TimeStep>& steps);
@@ -206,6 +206,8 @@ struct Scene : Layer {
   std::vector<Layer*> layers();
   // Whether its layers are blended.
   bool blends() const { return sluice::blends(combine, 1 + more.size()); }
+  // Whether the session is open, with pages for layers that are combined as they are now.
+  bool isOpen() const { return session != nullptr && opened_to_blend_ == blends(); }
   std::vector<const ShownChannel*> shownChannels() const;
   std::vector<LayerLook> looks() const;
   // "not 3; give one --channel", for messages about several layers.
@@ -226,6 +228,8 @@ struct Scene : Layer {
   std::vector<std::unique_ptr<Layer>> more;  // the further layers; their sessions end first
 
  private:
+  bool opened_to_blend_ = false;  // the session that was opened last
+
   // Makes the layer's share of what these ranks draw.
   void shareAmong(Team& team, std::shared_ptr<const LentBoxes> lent, Layer& layer,
                   const FrameOptions& frame);
