@@ -55,5 +55,16 @@ TEST(JobQueue, placesNoViewOfTheVolumeBefore) {
   EXPECT_NE(taskOf<ReportJob>(queue.next()), nullptr);
 }
 
+// The window says so for as long as the failed wish is the newest.
+TEST(JobQueue, forgetsAFailureOfTheVolumeBefore) {
+  JobQueue queue(0.06);
+  queue.noteOpened();
+  const uint64_t number = queue.wish({});
+  queue.noteFailed(*queue.next());
+  EXPECT_EQ(queue.status().failed, number);
+  queue.noteOpened();
+  EXPECT_EQ(queue.status().failed, 0);
+}
+
 }  // namespace
 }  // namespace sluice

@@ -221,6 +221,7 @@ void JobQueue::noteOpened() {
   // Wishes for the volume before do not count for this one.
   served_ = {.previewed = status_.wished, .sliced = status_.wished, .unanswered = {}};
   status_.completed = status_.wished;
+  status_.failed = 0;
   status_.is_indexing = false;
   requests_.wish.reset();
   requests_.probe.reset();
