@@ -166,8 +166,8 @@ ViewOptions cameraBetween(const Between& at) {
   Quaternion turning{};
   for (size_t p = 0; p < 4; ++p) turning[p] = at.smooth([&](size_t i) { return turningAt(i)[p]; });
   const auto [up, back] = upAndBack(turning);
+  // Distances and zooms are mixed as logarithms, so that a camera approaches at an even pace.
   const double distance =
-      // Distances and zooms are mixed as logarithms, so that a camera approaches at an even pace.
       std::exp(at.smooth(of([](const ViewOptions& v) { return std::log(reachOf(v)); })));
   view.look_at = ViewOptions::LookAt{arrayOf(target + back * distance), arrayOf(target)};
   view.up = arrayOf(up);

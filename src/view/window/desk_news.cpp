@@ -16,7 +16,7 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr auto kHandRests = 150ms, kSavedShows = 4000ms;
-constexpr auto kSlowFit = 300ms;  // is told
+constexpr auto kSlowFit = 300ms;  // the corner shows a fit that takes longer
 constexpr auto kFade = 120ms, kFadeTurn = 16ms;
 constexpr size_t kMostTimes = 8192;
 

@@ -90,7 +90,7 @@ void slice(WindowState& window, size_t axis, const Area& area) {
     next.cross[axis] = std::clamp<int64_t>(next.cross[axis] + (io.MouseWheel > 0 ? 1 : -1), 0,
                                            info.dims[axis] - 1);
   }
-  // Not a step to undo.
+  // A move of the cross hair is no step to undo.
   if (next.cross != window.state().cross) window.history.replace(next);
   ImGui::PopID();
   const auto share = [&](size_t a) {
