@@ -55,6 +55,30 @@ TEST(JobQueue, placesNoViewOfTheVolumeBefore) {
   EXPECT_NE(taskOf<ReportJob>(queue.next()), nullptr);
 }
 
+// The window waits for the answer to a double click before it asks again.
+TEST(JobQueue, answersAQuestionThatAWishInterrupted) {
+  JobQueue queue(0.06);
+  queue.noteOpened();
+  queue.wish({});
+  const std::optional<Job> first = queue.next();
+  queue.notePicture(*first->wish, true);
+  const uint64_t number = queue.probe(0.5, 0.5);
+  const std::optional<Job> probing = queue.next();
+  ASSERT_NE(taskOf<ProbeJob>(probing), nullptr);
+  queue.wish({});
+  EXPECT_TRUE(probing->stop.stop_requested()) << "the preview does not wait";
+  queue.noteCancelled(*probing);
+  const std::optional<Job> preview = queue.next();
+  ASSERT_NE(taskOf<PreviewJob>(preview), nullptr);
+  queue.notePicture(*preview->wish, true);
+  queue.wantReport(false);
+  const std::optional<Job> again = queue.next();
+  ASSERT_NE(taskOf<ProbeJob>(again), nullptr);
+  EXPECT_EQ(taskOf<ProbeJob>(again)->number, number);
+  queue.noteProbed(*taskOf<ProbeJob>(again));
+  EXPECT_NE(taskOf<ReportJob>(queue.next()), nullptr);
+}
+
 // The window says so for as long as the failed wish is the newest.
 TEST(JobQueue, forgetsAFailureOfTheVolumeBefore) {
   JobQueue queue(0.06);

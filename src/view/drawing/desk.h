@@ -81,8 +81,8 @@ struct SavedNews {
 };
 
 struct ProbeNews {
-  uint64_t number = 0;  // number of the question
-  std::optional<VoxelProbe> found;
+  uint64_t number = 0;              // number of the question
+  std::optional<VoxelProbe> found;  // nullopt: nothing is there, or it cannot be read
 };
 
 struct PlacedNews {

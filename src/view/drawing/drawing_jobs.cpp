@@ -33,6 +33,20 @@ std::vector<uint8_t> greys(const SliceValues& slice, std::array<double, 2> range
   return rgba;
 }
 
+// Finds an answer and tells it, also if it cannot be found: the window waits for it.
+template <class Find, class Tell>
+void tellAnswer(const Find& find, const Tell& tell) {
+  try {
+    find();
+  } catch (const Cancelled&) {
+    throw;  // the question stays, unless there is a newer one
+  } catch (const std::exception&) {
+    tell();
+    throw;
+  }
+  tell();
+}
+
 }  // namespace
 
 void DrawingJobs::run(const Job& job) {
@@ -208,29 +222,27 @@ void DrawingJobs::run(const SlicesJob&, const Job& job) {
 }
 
 void DrawingJobs::run(const PlaceJob& task, const Job& job) {
-  PlacedNews placed_news{.number = task.number, .view = {}};
-  const auto tell = [&] {
-    news_.add([&](News& news) { news.placed = placed_news; });
-    queue_.notePlaced(task);
-  };
-  try {
-    placed_news.view = placed(task.wish.state, task.wish.width, task.wish.height, job);
-  } catch (const Cancelled&) {
-    throw;
-  } catch (const std::exception&) {
-    tell();
-    throw;
-  }
-  tell();
+  PlacedNews answer{.number = task.number, .view = {}};
+  tellAnswer([&] { answer.view = placed(task.wish.state, task.wish.width, task.wish.height, job); },
+             [&] {
+               news_.add([&](News& news) { news.placed = answer; });
+               queue_.notePlaced(task);
+             });
 }
 
 void DrawingJobs::run(const ProbeJob& task, const Job& job) {
   const Wish& wish = job.wish->wish;
-  useLook(wish.state);
-  const ProbeNews answer{task.number,
-                         opened_.renderer->probe(pictureOf(wish.state, wish.width, wish.height),
-                                                 task.right, task.down, job.stop)};
-  news_.add([&](News& news) { news.probe = answer; });
+  ProbeNews answer{.number = task.number, .found = {}};
+  tellAnswer(
+      [&] {
+        useLook(wish.state);
+        answer.found = opened_.renderer->probe(pictureOf(wish.state, wish.width, wish.height),
+                                               task.right, task.down, job.stop);
+      },
+      [&] {
+        news_.add([&](News& news) { news.probe = answer; });
+        queue_.noteProbed(task);
+      });
 }
 
 void DrawingJobs::run(const ReportJob& task, const Job&) {

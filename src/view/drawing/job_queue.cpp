@@ -162,8 +162,8 @@ JobQueue::Clock::time_point JobQueue::restsAt() const {
 }
 
 // Chooses the next job: requests come first, then what is seen first. The whole picture waits while
-// a hand moves, and so does placing a view, which may read all of a volume. Small files are written
-// at once, even if no volume is open.
+// a hand moves, and so do placing a view, which may read all of a volume, and questions. Small
+// files are written at once, even if no volume is open.
 std::optional<Job> JobQueue::choose() {
   Requests& asked = requests_;
   const auto job = [wish = asked.wish](auto task) { return Job{std::move(task), wish, {}}; };
@@ -177,7 +177,7 @@ std::optional<Job> JobQueue::choose() {
   if (!asked.pictures.empty()) return job(takeFirst(asked.pictures));
   if (status_.completed < newest && rests()) return job(PictureJob());
   if (served_.sliced < newest && asked.wish->wish.state.shows_slices) return job(SlicesJob());
-  if (asked.probe && newest > 0) return job(*std::exchange(asked.probe, std::nullopt));
+  if (asked.probe && newest > 0 && rests()) return job(*asked.probe);
   if (asked.report) return job(*std::exchange(asked.report, std::nullopt));
   if (asked.frame && rests()) return job(*asked.frame);
   return std::nullopt;
@@ -197,8 +197,8 @@ std::optional<Job> JobQueue::next() {
   status_.doing = Doing::kNothing;
   while (!work_.ends) {
     if (std::optional<Job> job = choose()) return start(std::move(*job));
-    // Views to be placed, the whole picture and a film's next frame wait for a hand to rest, which
-    // no event will tell.
+    // Views to be placed, the whole picture, questions and a film's next frame wait for a hand to
+    // rest, which no event will tell.
     if (work_.is_open && !rests())
       changed_.waitUntil(lock, restsAt());
     else
@@ -254,6 +254,11 @@ void JobQueue::noteSlices(uint64_t wish) {
 void JobQueue::notePlaced(const PlaceJob& job) {
   const MutexLock lock(mutex_);
   if (requests_.place && requests_.place->number == job.number) requests_.place.reset();
+}
+
+void JobQueue::noteProbed(const ProbeJob& job) {
+  const MutexLock lock(mutex_);
+  if (requests_.probe && requests_.probe->number == job.number) requests_.probe.reset();
 }
 
 bool JobQueue::isFilm(uint64_t number) const {

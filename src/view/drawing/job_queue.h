@@ -101,6 +101,8 @@ class JobQueue {
   void noteSlices(uint64_t wish);
   // The view is placed, or cannot be.
   void notePlaced(const PlaceJob& job);
+  // The question is answered, or cannot be.
+  void noteProbed(const ProbeJob& job);
   // False: the film was cancelled or replaced meanwhile. After its last frame there is none.
   bool noteFrame(const FrameJob& job);
   // A wish that cannot be drawn is as good as served, so that it is not tried for ever; a film
@@ -118,7 +120,7 @@ class JobQueue {
     std::deque<SaveTextJob> texts;
     std::optional<FrameJob> frame;  // the film's next
     std::optional<PlaceJob> place;  // also while it is under way, which a wish may stop
-    std::optional<ProbeJob> probe;
+    std::optional<ProbeJob> probe;  // this one, too
     std::optional<ReportJob> report;
     std::shared_ptr<const NumberedWish> wish;
     uint64_t films = 0, probes = 0, places = 0;  // numbers that were given

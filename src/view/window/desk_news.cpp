@@ -55,6 +55,14 @@ void endFade(PictureOnScreen& shown) {
   shown.share = 1;
 }
 
+// The value was that of another picture, and so is an answer on its way. A pointer that rests gets
+// the new one's.
+void forgetReading(Pointer& pointer) {
+  pointer.value.reset();
+  pointer.still_since = WindowClock::now();
+  if (!pointer.centers) pointer.question.reset();
+}
+
 void takeOpened(WindowState& window, std::unique_ptr<OpenedVolumeNews> news) {
   window.volume.news = std::move(news);
   const OpenedVolumeNews& opened = *window.volume.news;
@@ -63,7 +71,8 @@ void takeOpened(WindowState& window, std::unique_ptr<OpenedVolumeNews> news) {
   window.fit.reset();
   // The number goes on, since the desk counts its wishes over all volumes.
   window.wishes = {.last = {}, .number = window.wishes.number, .unanswered = {}};
-  window.pointer.value.reset();
+  window.pointer.centers = false;
+  forgetReading(window.pointer);
   window.shown.picture = {};
   endFade(window.shown);
   for (SliceOnScreen& slice : window.slices) slice.at = slice.time = -1;
@@ -132,12 +141,6 @@ void takeSaved(WindowState& window, const SavedNews& saved) {
   window.messages.saved = "saved " + saved.path;
   window.messages.saved_until = WindowClock::now() + kSavedShows;
   window.log.write({{"saved", saved.path}, {"command", saved.command}});
-}
-
-// The value was that of another picture. A pointer that rests gets the new one's.
-void forgetReading(Pointer& pointer) {
-  pointer.value.reset();
-  pointer.still_since = WindowClock::now();
 }
 
 // A step that cannot be drawn leaves no picture of another step in the pane.

@@ -69,7 +69,7 @@ struct Pointer {
   std::vector<PanePoint> steps;           // movements of this frame, screen units
   float x = -1, y = -1;                   // place where it rests
   WindowClock::time_point still_since{};  // or no time: the value there was asked for
-  uint64_t question = 0;                  // number of the newest
+  std::optional<uint64_t> question;       // number of the newest, while its answer is of use
   bool centers = false;                   // the answer is to come to the middle
   std::optional<VoxelProbe> value;
   std::optional<VoxelProbe> slice_value;  // while it is over a slice
