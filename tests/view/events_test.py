@@ -128,5 +128,34 @@ def fitted(folder):
         assert one == other, f'{gesture}: {other} in place of {one}'
 
 
+def unfitted(folder):
+    """A save that waits for a view that cannot be fitted, or for which the window ends too early, is refused by name."""
+    look = pathlib.Path(folder, 'look.json')
+    points = '{"sluice_transfer_function": 1, "colors": [[0, "#00ff00"], [255, "#00ff40"]], "opacities": [[0, 0], [30, 0], [60, 0.1]]}'
+    look.write_text(points, encoding='utf-8')
+    arguments = ['synth:shells,dims=48x40x36', '--size', '480x760', '--device', 'cpu', '--transfer', str(look)]
+    view = pathlib.Path(folder, 'view.json')
+    with Display() as display, Window(display, PROGRAM, arguments, folder) as window:
+        window.whole(0)
+        mark = window.mark()
+        look.unlink()
+        window.key('m')  # reads the file again
+        window.wait('failure', since=mark)
+        mark = window.mark()
+        with stopped(window):
+            window.press('1', 'ctrl+shift+s')
+        window.wait(lambda line: 'view.json' in line.get('failure', '') or 'view.json' in line.get('saved', ''), since=mark)
+        assert not view.exists(), 'a view is saved that nobody asked for'
+        window.press('Escape')
+        look.write_text(points, encoding='utf-8')
+        window.press('m')
+        window.settled()
+        with stopped(window):
+            window.press('t', '1', 'ctrl+shift+s', 'ctrl+q')
+        window.process.wait()
+        assert view.exists() or 'view.json is not saved' in window.said(), window.said()
+        print('the window ended', 'after' if view.exists() else 'before', 'the view was fitted')
+
+
 if __name__ == '__main__':
-    window_driver.run(same_when_busy, fitted)
+    window_driver.run(same_when_busy, fitted, unfitted)

@@ -68,7 +68,8 @@ void takeOpened(WindowState& window, std::unique_ptr<OpenedVolumeNews> news) {
   const OpenedVolumeNews& opened = *window.volume.news;
   window.volume.ground = groundOf(opened.info);
   window.history = History<ViewState>(opened.state);
-  window.fit.reset();
+  for (const std::string& line : dropFit(window, "another volume was opened first"))
+    window.fail(line);
   // The number goes on, since the desk counts its wishes over all volumes.
   window.wishes = {.last = {}, .number = window.wishes.number, .unanswered = {}};
   window.pointer.centers = false;
@@ -89,11 +90,16 @@ void takeOpened(WindowState& window, std::unique_ptr<OpenedVolumeNews> news) {
 
 void takePlaced(WindowState& window, const PlacedNews& news) {
   if (!window.fit || news.number != window.fit->number) return;
+  if (!news.view) {
+    for (const std::string& line : dropFit(window, "its view could not be fitted"))
+      window.fail(line);
+    return;
+  }
   Fit fit = std::move(*window.fit);
   window.fit.reset();
-  if (news.view) window.edit([&](ViewState& next) { next.view = *news.view; });
+  window.edit([&](ViewState& next) { next.view = *news.view; });
   ++window.gesture;  // undo takes back the moves first
-  for (auto& act : fit.waiting) window.afterFit(std::move(act));
+  for (WaitingAct& next : fit.waiting) window.afterFit(std::move(next.act), next.loss);
 }
 
 void takePicture(PictureOnScreen& shown, ShownPicture picture) {

@@ -24,7 +24,7 @@ void addKeyNow(WindowState& window) {
 
 void addKey(WindowState& window) {
   if (!window.isOpen()) return;
-  window.afterFit([](WindowState& fitted) { addKeyNow(fitted); });
+  window.afterFit([](WindowState& fitted) { addKeyNow(fitted); }, "the key frame is not added");
 }
 
 void showFrame(WindowState& window, int64_t frame) {
@@ -79,14 +79,16 @@ void writeFilm(WindowState& window) {
     return;
   }
   if (!window.isOpen() || frameCount(window.film.path) == 0) return;
-  window.afterFit([](WindowState& fitted) {
-    const FilmEditor& film = fitted.film;
-    fitted.desk.writeFrames({.name = film.name,
-                             .path = film.path,
-                             .now = film.view.value_or(fitted.state()),
-                             .width = fitted.pane.width,
-                             .height = fitted.pane.height});
-  });
+  window.afterFit(
+      [](WindowState& fitted) {
+        const FilmEditor& film = fitted.film;
+        fitted.desk.writeFrames({.name = film.name,
+                                 .path = film.path,
+                                 .now = film.view.value_or(fitted.state()),
+                                 .width = fitted.pane.width,
+                                 .height = fitted.pane.height});
+      },
+      window.film.name + " is not written");
 }
 
 void playSeries(WindowState& window) {

@@ -110,6 +110,8 @@ class Window {
     while (glfwWindowShouldClose(window_) == 0 && !state_->wants_to_end &&
            !request_.is_asked_to_end())
       turn();
+    for (const std::string& line : dropFit(*state_, "the window ended before its view was fitted"))
+      state_->say(line);
     keepSettings();
     logTimes();
     if (const auto fault = state_->log.takeFault()) state_->say(*fault);

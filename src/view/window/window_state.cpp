@@ -87,17 +87,20 @@ void openAny(WindowState& window, const std::vector<std::string>& paths) {
 }
 
 void loadState(WindowState& window, const std::string& name) {
-  window.afterFit([name](WindowState& fitted) { fitted.desk.loadState(name); });
+  window.afterFit([name](WindowState& fitted) { fitted.desk.loadState(name); },
+                  name + " is not loaded");
 }
 
 void savePicture(WindowState& window, const std::string& path) {
   if (!window.isOpen()) return;
-  window.afterFit([path](WindowState& fitted) { fitted.desk.savePicture(path, wishOf(fitted)); });
+  window.afterFit([path](WindowState& fitted) { fitted.desk.savePicture(path, wishOf(fitted)); },
+                  path + " is not saved");
 }
 
 void saveState(WindowState& window, const std::string& name) {
   if (!window.isOpen()) return;
-  window.afterFit([name](WindowState& fitted) { saveStateNow(fitted, name); });
+  window.afterFit([name](WindowState& fitted) { saveStateNow(fitted, name); },
+                  name + " is not saved");
 }
 
 void showFrom(WindowState& window, ViewOptions::From from) {
@@ -116,6 +119,15 @@ void showFrom(WindowState& window, ViewOptions::From from) {
   window.fit = Fit{.number = window.desk.place(next, window.pane.width, window.pane.height),
                    .asked_at = WindowClock::now(),
                    .waiting = {}};
+}
+
+std::vector<std::string> dropFit(WindowState& window, const std::string& why) {
+  std::vector<std::string> lines;
+  if (!window.fit) return lines;
+  for (const WaitingAct& dropped : window.fit->waiting)
+    if (!dropped.loss.empty()) lines.push_back(dropped.loss + ": " + why);
+  window.fit.reset();
+  return lines;
 }
 
 void toggleProjection(WindowState& window) {

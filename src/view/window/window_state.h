@@ -115,12 +115,18 @@ struct SentWishes {
   std::deque<std::pair<uint64_t, WindowClock::time_point>> unanswered;
 };
 
+// An action of the user that waits for a fit.
+struct WaitingAct {
+  std::function<void(WindowState&)> act;
+  std::string loss;  // "view.json is not saved", if the act is dropped; empty: nothing to tell
+};
+
 // A view that the desk fits to the volume. The camera and everything that uses it wait for it, so
 // that they follow from the view that was asked for.
 struct Fit {
   uint64_t number = 0;
   WindowClock::time_point asked_at{};
-  std::vector<std::function<void(WindowState&)>> waiting;  // in the order of the user's actions
+  std::vector<WaitingAct> waiting;  // in the order of the user's actions
 };
 
 // Measurements of the window's own loop.
@@ -180,10 +186,11 @@ struct WindowState {
     change(next);
   }
   // Does act(*this), which uses the camera: at once, or when the view that was asked for is fitted.
+  // `loss`: see WaitingAct.
   template <class Act>
-  void afterFit(Act act) {
+  void afterFit(Act act, const std::string& loss = {}) {
     if (fit)
-      fit->waiting.emplace_back(std::move(act));
+      fit->waiting.emplace_back(std::move(act), loss);
     else
       act(*this);
   }
@@ -230,6 +237,9 @@ void savePicture(WindowState& window, const std::string& path);
 void saveState(WindowState& window, const std::string& name);
 // Fits the volume into a view from the named side; the desk places the camera.
 void showFrom(WindowState& window, ViewOptions::From from);
+// Ends a fit without a view, and with it what waits, which would use another view than the user
+// asked for. Returns a line for each loss, which gives the reason.
+std::vector<std::string> dropFit(WindowState& window, const std::string& why);
 void toggleProjection(WindowState& window);
 // Cuts off everything between the eye and the target.
 void cutHere(WindowState& window);

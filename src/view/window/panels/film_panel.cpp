@@ -49,10 +49,12 @@ bool keyRow(WindowState& window, size_t number) {
   window.log.control(fmt::format("remove key {}", number));
   ImGui::SameLine();
   if (ImGui::Button("take"))
-    window.afterFit([number](WindowState& fitted) {
-      std::vector<ViewKey>& keys = fitted.film.path.keys;
-      if (number < keys.size()) keys[number].state = fitted.state();
-    });
+    window.afterFit(
+        [number](WindowState& fitted) {
+          std::vector<ViewKey>& keys = fitted.film.path.keys;
+          if (number < keys.size()) keys[number].state = fitted.state();
+        },
+        fmt::format("key frame {} does not take the view", number + 1));
   window.log.control(fmt::format("take key {}", number));
   if (!is_last) {
     ImGui::SameLine();
