@@ -6,6 +6,7 @@ import json
 import os
 import pathlib
 import shlex
+import signal
 import subprocess
 import sys
 
@@ -143,6 +144,33 @@ def key_frames(folder):
     print(f'{len(frames)} frames, differing by {max(most):.2f}/255; EXR by {255 * found:.3f}/255')
 
 
+def taken_and_removed(folder):
+    """A key frame that takes a view while it is fitted is the one of the row, also if another is removed meanwhile."""
+    with Display() as display, Window(display, PROGRAM, [VOLUME, '--size', '320x760', '--device', 'cpu'], folder) as window:
+        window.whole(0)
+        for key in ('k', 'Right', 'k', 'Right', 'k'):
+            window.key(key)
+            window.settled()
+        open_film(window)
+        places = [window.place('take key 2'), window.place('remove key 0')]
+        window.process.send_signal(signal.SIGSTOP)
+        window.press('t', '1')
+        for place in places:
+            window.hand.move(*place)
+            window.hand.button(1, True)
+            window.hand.button(1, False)
+        window.hand.flush()
+        window.process.send_signal(signal.SIGCONT)
+        window.settled()
+        mark = window.mark()
+        window.click('save view')
+        saved(window, mark, 'view.json')
+        window.end()
+    view = json.loads(pathlib.Path(folder, 'view.json').read_text(encoding='utf-8'))
+    cameras = [key['camera'] for key in view['path']['keys']]
+    assert len(cameras) == 2 and cameras[1] == view['camera'] != cameras[0], view
+
+
 def turntable(folder):
     """Cancelled halfway; then, in a folder that cannot be written, a line in the window; never over what is read."""
     volume = pathlib.Path(folder, 'shells_0001.nrrd')
@@ -240,4 +268,4 @@ def same_looks(folder):
 
 if __name__ == '__main__':
     also_missing = [] if importlib.util.find_spec('OpenImageIO') else ['python3-openimageio']
-    window_driver.run(key_frames, turntable, same_looks, also_missing=also_missing)
+    window_driver.run(key_frames, taken_and_removed, turntable, same_looks, also_missing=also_missing)

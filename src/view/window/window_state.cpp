@@ -127,6 +127,7 @@ std::vector<std::string> dropFit(WindowState& window, const std::string& why) {
   for (const WaitingAct& dropped : window.fit->waiting)
     if (!dropped.loss.empty()) lines.push_back(dropped.loss + ": " + why);
   window.fit.reset();
+  window.film.removes_key = false;
   return lines;
 }
 

@@ -82,6 +82,7 @@ struct FilmEditor {
   std::optional<ViewState> view = {};
   int64_t frame = 0;
   bool is_playing = false;
+  bool removes_key = false;  // when the view is fitted
   WindowClock::time_point began{};
 };
 

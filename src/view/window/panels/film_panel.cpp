@@ -76,12 +76,20 @@ void keyFrames(WindowState& window) {
   window.log.control("add view");
   std::vector<ViewKey>& keys = window.film.path.keys;
   std::optional<size_t> removed;
+  // While a removal waits, the rows have numbers that change with it.
+  ImGui::BeginDisabled(window.film.removes_key);
   for (size_t i = 0; i < keys.size(); ++i)
     if (keyRow(window, i)) removed = i;
+  ImGui::EndDisabled();
   if (!removed) return;
-  // A film that is shown would go on with frames of a path that is gone.
-  endFilm(window);
-  keys.erase(keys.begin() + static_cast<std::ptrdiff_t>(*removed));
+  window.film.removes_key = true;
+  window.afterFit([number = *removed](WindowState& fitted) {
+    fitted.film.removes_key = false;
+    // A film that is shown would go on with frames of a path that is gone.
+    endFilm(fitted);
+    std::vector<ViewKey>& kept = fitted.film.path.keys;
+    if (number < kept.size()) kept.erase(kept.begin() + static_cast<std::ptrdiff_t>(number));
+  });
 }
 
 void preview(WindowState& window) {
