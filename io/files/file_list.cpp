@@ -87,11 +87,10 @@ std::vector<std::filesystem::path> expandGlob(const std::string& pattern) {
 std::string withoutNumbers(std::string_view name) {
   std::string result;
   for (const char c : name) {
-    if (!isDigit(c)) {
+    if (!isDigit(c))
       result += c;
-    } else if (result.empty() || result.back() != '#') {
+    else if (result.empty() || result.back() != '#')
       result += '#';
-    }
   }
   return result;
 }
@@ -314,10 +313,8 @@ std::optional<std::filesystem::path> missingFile(const std::vector<std::filesyst
   const std::vector<int64_t>& numbers = found->numbers;
   int64_t step = std::numeric_limits<int64_t>::max();
   for (size_t i = 1; i < numbers.size(); ++i) step = std::min(step, numbers[i] - numbers[i - 1]);
-  int64_t wanted = 0;
-  if (__builtin_mul_overflow(count, step, &wanted) ||
-      __builtin_add_overflow(numbers.back(), wanted, &wanted))
-    wanted = numbers.back();  // no file has such a number
+  int64_t wanted = numbers.back();  // stays if the number does not fit into its type
+  if (count <= (std::numeric_limits<int64_t>::max() - wanted) / step) wanted += count * step;
   for (size_t i = numbers.size() - 1; i > 0; --i)
     if (numbers[i] - numbers[i - 1] > step) wanted = numbers[i - 1] + step;
   if (wanted == numbers.back()) return std::nullopt;

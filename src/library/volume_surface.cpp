@@ -117,8 +117,8 @@ VolumeSurface makeSurface(const IndexedVolume& volume, const SurfaceOptions& opt
   BlockStates states = statesOf(volume, options, level, inside, region);
   const uint64_t held = volume.rangesBytes() + states.blocks.size() * sizeof(BlockStates::Block);
   const uint64_t left = pass.memory_bytes - std::min(pass.memory_bytes, held);
-  // Half of the memory holds decoded chunks of compressed files. A source without such chunks leaves
-  // all of it to the surface.
+  // Half of the memory holds decoded chunks of compressed files. A source without such chunks
+  // leaves all of it to the surface.
   const uint64_t decoded = left / 2;
   volume.source->holdAtMost(decoded);
   const bool is_decoded = volume.source->heldBytesAThread() > 0;
