@@ -52,8 +52,10 @@ RefinedFrame drawRow(const RenderJob& job, const FrameOptions& options, const Ro
   };
   FrameOptions uncounted = options;
   if (options.time_limit_s) uncounted.count_samples = false;  // takes time of its own
-  RefinedFrame frame = drawRefined(job.scene, uncounted, job.has_step, job.arguments.end, row.began,
-                                   row.until, take);
+  // The picture of a sample ends at once, as those with a time limit do: with a cut.
+  const RowEnd end = row.until ? RowEnd::kCut : job.arguments.end;
+  RefinedFrame frame =
+      drawRefined(job.scene, uncounted, job.has_step, end, row.began, row.until, take);
   frame.pictures.insert(frame.pictures.begin(), row.earlier.begin(), row.earlier.end());
   return frame;
 }
