@@ -81,6 +81,7 @@ ViewState frameState(const SavedFilm& film, const ViewState& now, int64_t frame)
 
 std::string namesOf(const std::vector<const OptionEntry*>& given) {
   std::vector<std::string_view> names;
+  names.reserve(given.size());
   for (const OptionEntry* entry : given) names.push_back(entry->option);
   return fmt::format("{}", fmt::join(names, ", "));
 }

@@ -191,7 +191,7 @@ struct WindowState {
   template <class Act>
   void afterFit(Act act, const std::string& loss = {}) {
     if (fit)
-      fit->waiting.emplace_back(std::move(act), loss);
+      fit->waiting.push_back(WaitingAct{std::move(act), loss});
     else
       act(*this);
   }

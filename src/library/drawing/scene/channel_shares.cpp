@@ -92,6 +92,7 @@ namespace {
 std::optional<std::string> blendObstacle(const LookArguments& look, const FrameOptions& options,
                                          const std::vector<LayerLook>& layers) {
   std::vector<const VolumeLayout*> grids;
+  grids.reserve(layers.size());
   for (const LayerLook& layer : layers) grids.push_back(&layer.volume->source->layout());
   if (auto obstacle = blendObstacle(look, options, grids)) return obstacle;
   const IndexedVolume& first = *layers.front().volume;
