@@ -7,7 +7,7 @@ namespace sluice {
 bool PriorityPolicy::goesBefore(uint32_t a, uint32_t b) const {
   const Entry& one = entries_[a];
   const Entry& other = entries_[b];
-  // Of equal priorities, the chunk that was requested longest ago goes first.
+  // Among equal priorities, the chunk that was requested longest ago goes first.
   return one.priority != other.priority ? one.priority < other.priority
                                         : one.last_request < other.last_request;
 }

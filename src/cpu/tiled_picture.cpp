@@ -36,7 +36,7 @@ void TiledPicture::begin(const FrameSetup& setup, const Kernels& kernels, Pictur
 }
 
 void TiledPicture::makeRoom() {
-  // Not cleared, because tile() clears each tile when it is begun.
+  // tile() clears each tile when it is begun, so nothing is cleared here.
   const size_t floats = floatsATile() * static_cast<size_t>(tiles()) + kAlignedFloats;
   if (memory_floats_ < floats) {
     memory_.reset();

@@ -210,7 +210,7 @@ std::vector<BlockName> TextureBuffer::blocksSoon(const TexturePlan& plan,
 
 void TextureBuffer::planRuns(Batch& batch, std::vector<Filling> fillings,
                              std::vector<BlockName> soon, const PyramidLayout& pyramid) const {
-  // By name, so that the blocks of one row follow each other.
+  // The order is by name, so that the blocks of one row follow each other.
   std::ranges::sort(fillings, {}, [](const Filling& filling) { return filling.block.name; });
   std::ranges::sort(soon);
   // The caller reads too.

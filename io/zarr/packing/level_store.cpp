@@ -143,7 +143,7 @@ bool LevelStoreWriter::finish() {
   if (!fault_.empty()) return false;
   try {
     folder_->complete(zarrGroupText(), image_text_, array_texts_);
-    // Not synced: the digest in the index file finds what a power cut has spoilt.
+    // The file is not synced: the digest in the index file finds damage by a power cut.
     folder_->finish({.replace = true, .sync = false});
   } catch (const Error& error) {
     fault_ = error.what();

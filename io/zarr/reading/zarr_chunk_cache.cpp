@@ -17,7 +17,7 @@ ChunkMemory::Buffer ChunkMemory::take(uint64_t bytes) {
   const MutexLock lock(mutex_);
   auto best = kept_.end();
   for (auto buffer = kept_.begin(); buffer != kept_.end(); ++buffer)
-    // Not more than twice as large, so that small chunks do not hold large buffers.
+    // Buffers are at most twice as large, so that small chunks do not hold large ones.
     if (buffer->size >= bytes && buffer->size / 2 <= bytes &&
         (best == kept_.end() || buffer->size < best->size))
       best = buffer;

@@ -47,7 +47,7 @@ std::optional<uint64_t> parseBytes(std::string_view text) {
   const int power = powerOf(rest(number_end));
   if (power < 0) return std::nullopt;
   const double bytes = std::ldexp(number, 10 * power);
-  // Not a number fails, too.
+  // NaN fails, too.
   if (!(bytes < std::ldexp(1.0, 63))) return std::nullopt;
   return static_cast<uint64_t>(bytes);
 }

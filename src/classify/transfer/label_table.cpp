@@ -120,7 +120,7 @@ std::vector<LabelStyle> parseLabelTable(std::string_view text, const std::string
   // FreeSurfer's table has an opacity of 0 for all labels.
   if (std::ranges::all_of(table, [](const LabelStyle& style) { return style.opacity == 0; }))
     for (LabelStyle& style : table) style.opacity = style.label == 0 ? 0 : 1;
-  // By label, so that applyTable() can look them up.
+  // They are sorted by label, so that applyTable() can look them up.
   std::ranges::stable_sort(table, {}, &LabelStyle::label);
   for (size_t i = 1; i < table.size(); ++i)
     if (table[i].label == table[i - 1].label)

@@ -75,7 +75,7 @@ void addLight(const CoarseExtinction& matter, const Sweep& sweep, float weight, 
   Plane in(across, up), out(across, up), last_in(across, up), last_out(across, up);
   constexpr int64_t kRows = 16;  // a thread's share
   for (int64_t n = 0; n < planes; ++n) {
-    // From the side of the light, plane by plane.
+    // The sweep begins at the side of the light and goes plane by plane.
     const int64_t base = (from_above ? planes - 1 - n : n) * stride[main];
     pool.parallelFor((up + kRows - 1) / kRows, [&](int64_t part) {
       for (int64_t j = part * kRows; j < std::min(up, (part + 1) * kRows); ++j)

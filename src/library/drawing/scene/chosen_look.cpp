@@ -364,7 +364,7 @@ double stepFor(const View& view, const VolumeLayout& layout) {
     const Vec3d center = worldFromIndex(layout, toDouble(layout.dims - Vec3i{1, 1, 1}) * 0.5);
     pixel *= std::max(0.0, dot(center - view.eye, view.forward));
   }
-  // Where a voxel covers more than a pixel, the picture shows the slices in it.
+  // If a voxel covers more than a pixel, the picture shows the slices in it.
   return pixel < finestSpacing(layout) ? 0.5 : 1;
 }
 
