@@ -139,6 +139,11 @@ std::vector<std::string> labelsOf(const std::string& keyword, const py::handle& 
   return texts;
 }
 
+/// A function of the package's own checks, so that both sides read sizes and names alike.
+py::object pythonsCheck(const char* name) {
+  return py::module_::import("sluice._arguments").attr(name);
+}
+
 OptionValue valueOf(const auto& entry, const std::string& keyword, const py::handle& value) {
   switch (entry.kind.form) {
     case OptionForm::kFlag:
@@ -146,7 +151,7 @@ OptionValue valueOf(const auto& entry, const std::string& keyword, const py::han
       return taken<bool>(keyword, "True or False", value);
     case OptionForm::kBytes:
       if (py::isinstance<py::str>(value))
-        return py::module_::import("sluice").attr("_bytes")(value, keyword).cast<int64_t>();
+        return pythonsCheck("byte_count")(value, keyword).cast<int64_t>();
       return taken<int64_t>(keyword, entry.kind.noun, value);
     case OptionForm::kWhole:
       return taken<int64_t>(keyword, "a whole number", value);
@@ -163,7 +168,7 @@ OptionValue valueOf(const auto& entry, const std::string& keyword, const py::han
     case OptionForm::kName:
       return taken<std::string>(keyword, "a text", value);
     case OptionForm::kFile:
-      return py::module_::import("sluice").attr("_path")(keyword, value).cast<std::string>();
+      return pythonsCheck("file_name")(keyword, value).cast<std::string>();
     case OptionForm::kColor: {
       OptionReals color = colorOf(keyword, value);
       if (color.size() != 3) failValue(keyword, "three numbers from 0 to 1", printed(value));

@@ -16,143 +16,14 @@ second. What goes wrong with a file or a request raises sluice.Error, in one lin
 
 import inspect as _inspect
 import json as _json
-import math as _math
-import operator as _operator
 import os as _os
-import struct as _struct
-import textwrap as _textwrap
-import zlib as _zlib
 
 import numpy as _numpy
 
-from . import _sluice
-from ._notebook import turned_picture as _turned_picture
+from . import _arguments, _environment, _notebook, _sluice
 from ._sluice import Cancelled, Error, __version__
 
 __all__ = ['Cancelled', 'Error', 'Renderer', 'Volume', 'from_array', 'from_function', 'open', 'simulate']
-
-_UNITS = {'K': 1 << 10, 'M': 1 << 20, 'G': 1 << 30, 'T': 1 << 40}
-
-
-def _bytes(size, keyword='memory'):
-    """512 or '512M' as a number of bytes; None is 0, which means the default."""
-    if size is None:
-        return 0
-    word = size.strip().upper() if isinstance(size, str) else ''
-    unit = _UNITS.get(word[-1:], 1)
-    try:
-        count = int(float(word[:-1] if unit > 1 else word) * unit) if isinstance(size, str) else int(size)
-        is_whole = isinstance(size, str) or count == size
-    except (OverflowError, TypeError, ValueError):
-        count, is_whole = -1, False
-    if not is_whole or not 0 < count < 1 << 63:
-        raise ValueError(f"{keyword}: expected bytes as in 512000000 or '512M', found {size!r}")
-    return count
-
-
-# The module prints its signatures if it gets anything else, which name no keyword.
-def _whole(keyword, number, bits=32, least=None):
-    try:
-        whole = _operator.index(number)
-    except TypeError:
-        raise TypeError(f'{keyword}: expected a whole number, found {number!r}') from None
-    if abs(whole) >> bits - 1:
-        raise ValueError(f'{keyword}: expected a number that {bits} bits hold, found {number!r}')
-    if least is not None and whole < least:
-        raise ValueError(f'{keyword}: expected a whole number from {least}, found {number!r}')
-    return whole
-
-
-def _number(keyword, number):
-    try:
-        real = float(number)
-    except (OverflowError, TypeError, ValueError):
-        real = _math.nan
-    if not _math.isfinite(real):
-        raise TypeError(f'{keyword}: expected a number, found {number!r}')
-    return real
-
-
-def _text(keyword, text):
-    if not isinstance(text, str):
-        raise TypeError(f'{keyword}: expected a text, found {text!r}')
-    return text
-
-
-def _list(keyword, items, kind, item):
-    """A list with item(keyword, each); a text is none, although its letters could be taken."""
-    try:
-        if isinstance(items, str):
-            raise TypeError
-        each = list(items)
-    except TypeError:
-        raise TypeError(f'{keyword}: expected a list of {kind}, found {items!r}') from None
-    return [item(keyword, one) for one in each]
-
-
-def _lists_keywords(function):
-    """The function, with the keywords of pictures in the place of {keywords} in its docstring."""
-    if function.__doc__:
-        indent = ' ' * 8
-        keywords = _textwrap.fill(', '.join(_sluice.keywords()) + '.', 100, initial_indent=indent,
-                                  subsequent_indent=indent)
-        function.__doc__ = function.__doc__.replace(indent + '{keywords}', keywords)
-    return function
-
-
-def _path(keyword, value):
-    """The bytes of a file's name, which need not be UTF-8."""
-    if not isinstance(value, (str, bytes, _os.PathLike)):
-        raise TypeError(f'{keyword}: expected a name, found {value!r}')
-    name = _os.fsencode(value)
-    if not name or b'\0' in name:
-        raise ValueError(f'{keyword}: expected a name without zero bytes that is not empty, found {value!r}')
-    return name
-
-
-def _folder(*places):
-    """The first folder that an environment variable names by its absolute path; '' if none does."""
-    for variable, below in places:
-        folder = _os.environ.get(variable, '')
-        if folder.startswith('/'):
-            return _os.path.join(folder, below) if below else folder
-    return ''
-
-
-def _index_folder(index_dir):
-    """The folder that `sluice` itself keeps indices in, unless another one is named; '' is none.
-
-    SLUICE_INDEX=beside names no folder: an index next to the volume is read in any case.
-    """
-    if index_dir is not None:
-        return _path('index_dir', index_dir) if index_dir else ''
-    wish = _os.environ.get('SLUICE_INDEX', '')
-    if wish not in ('', 'beside', 'off'):
-        raise ValueError(f"SLUICE_INDEX: expected off or beside, found '{wish}'")
-    if wish == 'off':
-        return ''
-    folder = _os.environ.get('SLUICE_INDEX_DIR', '')
-    if folder and not folder.startswith('/'):
-        raise ValueError(f"SLUICE_INDEX_DIR: expected the absolute path of a folder, found '{folder}'")
-    return folder or _folder(('XDG_CACHE_HOME', 'sluice/index'), ('HOME', '.cache/sluice/index'))
-
-
-def _cache(size, folder):
-    """The options of the folder for what is read from the web, as --cache and --cache-dir have them."""
-    if size is None and folder is None:
-        return {}
-    own_folder = _folder(('XDG_CACHE_HOME', 'sluice/web'), ('HOME', '.cache/sluice/web'))
-    return dict(cache=_bytes('20G' if size is None else size, 'cache'),
-                cache_dir=_path('cache_dir', folder) if folder is not None else own_folder)
-
-
-def _certificates():
-    """The options of the authorities that https:// trusts, from the variables that curl looks at."""
-    bundle = _os.environ.get('CURL_CA_BUNDLE')
-    if bundle:
-        return dict(certificate_file=bundle)
-    return dict(certificate_file=_os.environ.get('SSL_CERT_FILE', ''),
-                certificate_folder=_os.environ.get('SSL_CERT_DIR', ''))
 
 
 def open(path, *, time=0, whole_series=True, opens_soon=False, index_dir=None, levels=None, cache=None, cache_dir=None,
@@ -196,9 +67,10 @@ def open(path, *, time=0, whole_series=True, opens_soon=False, index_dir=None, l
     if not isinstance(path, (str, _os.PathLike, list, tuple)):
         raise TypeError(f'path: expected a name or a list of names, found {path!r}')
     paths = [path] if isinstance(path, (str, _os.PathLike)) else list(path)
-    options.update(whole_series=whole_series, opens_soon=opens_soon, time=time, index_dir=_index_folder(index_dir),
-                   levels=levels, block=block, page=page, memory=_bytes(memory), threads=threads)
-    options.update(_cache(cache, cache_dir), **_certificates())
+    options.update(whole_series=whole_series, opens_soon=opens_soon, time=time, levels=levels, block=block, page=page,
+                   memory=_arguments.byte_count(memory), threads=threads)
+    options.update(index_dir=_environment.index_folder(index_dir), **_environment.web_cache(cache, cache_dir),
+                   **_environment.certificates())
     if any(str(each).startswith('s3://') for each in [*paths, options.get('over')]):
         options.update(_sluice.bucket_access(_os.environ.get))
     channel = options.get('channel')
@@ -211,21 +83,13 @@ def open(path, *, time=0, whole_series=True, opens_soon=False, index_dir=None, l
             raise ValueError(f"{keyword}: expected a name that is not empty, found ''")
     if options.get('time_steps') is not None and options.get('dims') is None:
         raise TypeError('time_steps requires dims')
-    return Volume(_sluice.open_files([_path('path', each) for each in paths], options, progress))
-
-
-def _three(keyword, numbers):
-    try:
-        x, y, z = (float(number) for number in numbers)
-    except (TypeError, ValueError):
-        raise ValueError(f'{keyword}: expected three numbers (x, y, z), found {numbers!r}') from None
-    return x, y, z
+    return Volume(_sluice.open_files([_arguments.file_name('path', each) for each in paths], options, progress))
 
 
 def _place(spacing, origin, unit, name):
     for keyword, text in (('unit', unit), ('name', name)):
-        _text(keyword, text)
-    return _sluice.ArrayPlace(_three('spacing', spacing), _three('origin', origin), unit, name)
+        _arguments.text(keyword, text)
+    return _sluice.ArrayPlace(_arguments.three('spacing', spacing), _arguments.three('origin', origin), unit, name)
 
 
 def from_array(array, *, spacing=(1, 1, 1), origin=(0, 0, 0), unit='', name='array', memory=None, threads=None,
@@ -243,7 +107,7 @@ def from_array(array, *, spacing=(1, 1, 1), origin=(0, 0, 0), unit='', name='arr
         >>> sluice.from_array(ball, spacing=(1, 1, 2)).render(size=64).shape
         (64, 64, 4)
     """
-    options = dict(memory=_bytes(memory), threads=threads)
+    options = dict(memory=_arguments.byte_count(memory), threads=threads)
     place = _place(spacing, origin, unit, name)
     array = getattr(array, 'variable', array)  # of xarray: the array without its coordinates
     if _numpy.ma.is_masked(array):
@@ -287,9 +151,11 @@ def from_function(fill, shape, dtype, *, spacing=(1, 1, 1), origin=(0, 0, 0), un
 
     if not callable(fill):
         raise TypeError(f'fill: expected a function, found {fill!r}')
-    sides = _list('shape', shape, 'whole numbers', lambda keyword, side: _whole(keyword, side, 64))
+    sides = _arguments.each_of('shape', shape, 'whole numbers',
+                              lambda keyword, side: _arguments.whole(keyword, side, 64))
+    options = dict(memory=_arguments.byte_count(memory), threads=threads)
     return Volume(_sluice.open_function(packed, tuple(sides), _numpy.dtype(dtype), _place(spacing, origin, unit, name),
-                                        dict(memory=_bytes(memory), threads=threads), progress))
+                                        options, progress))
 
 
 class Volume:
@@ -306,7 +172,7 @@ class Volume:
         return f"<sluice.Volume '{self.name}': {x} x {y} x {z} {self._info['type']}{steps}>"
 
     def _repr_png_(self):
-        return _png(self.render())
+        return _notebook.png(self.render())
 
     @property
     def info(self):
@@ -349,7 +215,7 @@ class Volume:
 
     def histogram(self, bins=256):
         """How often values occur, as numpy.histogram() gives it: counts, and one more edges."""
-        return self._handle.histogram(_whole('bins', bins))
+        return self._handle.histogram(_arguments.whole('bins', bins))
 
     def _renderer(self):
         if self._own is None:
@@ -378,7 +244,7 @@ class Volume:
         `options` are those of render(); the background is black unless they have one. With a
         `threshold` there is a slider for it, too.
         """
-        return _turned_picture(self.render, _png, self.value_range, options)
+        return _notebook.turned_picture(self.render, self.value_range, options)
 
     def probe(self, right, down, **options):
         """The voxel seen at a point of a picture; see Renderer.probe()."""
@@ -410,10 +276,11 @@ class Renderer:
         if not isinstance(volume, Volume):
             raise TypeError(f'volume: expected what open() or from_array() returns, found {type(volume).__name__}')
         self._volume = volume._handle
-        self._handle = _sluice.Renderer(volume._handle, _text('device', device), _bytes(memory),
-                                        _whole('threads', threads or 0), pipeline)
+        self._handle = _sluice.Renderer(volume._handle, _arguments.text('device', device),
+                                        _arguments.byte_count(memory), _arguments.whole('threads', threads or 0),
+                                        pipeline)
 
-    @_lists_keywords
+    @_arguments.lists_keywords
     def render(self, *, progress=None, **options):
         """Draws a picture and returns it as bytes of shape (height, width, 4): red, green, blue,
         alpha, not premultiplied; opaque over a `background`.
@@ -440,7 +307,7 @@ class Renderer:
     def save(self, path, *, progress=None, **options):
         """Draws a picture into a PNG or EXR file, in strips if it is large. The file appears whole
         or not at all, and replaces one that is there."""
-        self._handle.save(self._volume, _path('path', path), progress, **options)
+        self._handle.save(self._volume, _arguments.file_name('path', path), progress, **options)
 
     def plan(self, *, progress=None, **options):
         """The cost of the picture that render() draws for these options, before it is drawn: a dict
@@ -466,15 +333,16 @@ class Renderer:
         NaN stays NaN, and values beyond 1e30 become infinite."""
         if axis not in ('x', 'y', 'z'):
             raise ValueError(f"axis: expected 'x', 'y' or 'z', found {axis!r}")
-        return self._handle.slice('xyz'.index(axis), _whole('at', at, 64), _whole('time', time, 64),
-                                  _whole('most', most))
+        return self._handle.slice('xyz'.index(axis), _arguments.whole('at', at, 64), _arguments.whole('time', time, 64),
+                                  _arguments.whole('most', most))
 
     def probe(self, right, down, **options):
         """The place that first hides what lies behind it at a point of the picture that render()
         gives for these options, from 0 to 1 to the right and down: a dict of voxel, world and
         value; None if nothing shows there. Places beside a NaN show nothing, and beside an infinite
         voxel the value is infinite."""
-        return self._handle.probe(self._volume, _number('right', right), _number('down', down), **options)
+        place = _arguments.number('right', right), _arguments.number('down', down)
+        return self._handle.probe(self._volume, *place, **options)
 
     @property
     def look(self):
@@ -489,7 +357,7 @@ class Renderer:
     def record_to(self, path):
         """From now on writes each request of the texture cache into a trace, for simulate(); None
         ends it, and the file appears."""
-        self._handle.record_to('' if path is None else _path('path', path))
+        self._handle.record_to('' if path is None else _arguments.file_name('path', path))
 
     def report(self):
         """Times, counters and bytes of the last picture and of the levels of memory, as a dict."""
@@ -518,24 +386,12 @@ def simulate(trace, *, policies=None, sizes=None, format=None, page_bytes=4096, 
         >>> folder.cleanup()
     """
     request = _sluice.SimulationRequest()
-    request.trace = _path('trace', trace)
-    request.policies = _list('policies', policies or [], 'names', _text)
-    request.sizes = _list('sizes', [] if sizes is None else sizes, 'whole numbers',
-                          lambda keyword, size: _whole(keyword, size, 64, 1))
-    request.format = None if format is None else _text('format', format)
-    request.page_bytes = _whole('page_bytes', page_bytes, 64, 1)
+    request.trace = _arguments.file_name('trace', trace)
+    request.policies = _arguments.each_of('policies', policies or [], 'names', _arguments.text)
+    request.sizes = _arguments.each_of('sizes', [] if sizes is None else sizes, 'whole numbers',
+                                       lambda keyword, size: _arguments.whole(keyword, size, 64, 1))
+    request.format = None if format is None else _arguments.text('format', format)
+    request.page_bytes = _arguments.whole('page_bytes', page_bytes, 64, 1)
     request.pins = bool(pin)
     rows = _json.loads(_sluice.simulate(request))['rows']
     return {name: _numpy.array([row[name] for row in rows]) for name in rows[0]}
-
-
-def _png(rgba):
-    """The bytes of a PNG file of a picture."""
-    def chunk(kind, data):
-        return _struct.pack('>I', len(data)) + kind + data + _struct.pack('>I', _zlib.crc32(kind + data))
-
-    height, width = rgba.shape[:2]
-    rows = _numpy.zeros((height, 1 + 4 * width), 'u1')  # a filter of 0 before each row
-    rows[:, 1:] = rgba.reshape(height, -1)
-    return (b'\x89PNG\r\n\x1a\n' + chunk(b'IHDR', _struct.pack('>IIBBBBB', width, height, 8, 6, 0, 0, 0)) +
-            chunk(b'IDAT', _zlib.compress(rows.tobytes(), 6)) + chunk(b'IEND', b''))

@@ -1,8 +1,25 @@
-"""Pictures in notebooks that sliders turn."""
+"""Pictures as notebooks show them, also turned by sliders."""
+
+import struct
+import zlib
+
+import numpy
 
 
-def turned_picture(render, png, value_range, options):
-    """The widget of Volume.widget(); `render` and `png` draw a picture and encode it."""
+def png(rgba):
+    """The bytes of a PNG file of a picture."""
+    def chunk(kind, data):
+        return struct.pack('>I', len(data)) + kind + data + struct.pack('>I', zlib.crc32(kind + data))
+
+    height, width = rgba.shape[:2]
+    rows = numpy.zeros((height, 1 + 4 * width), 'u1')  # a filter of 0 before each row
+    rows[:, 1:] = rgba.reshape(height, -1)
+    return (b'\x89PNG\r\n\x1a\n' + chunk(b'IHDR', struct.pack('>IIBBBBB', width, height, 8, 6, 0, 0, 0)) +
+            chunk(b'IDAT', zlib.compress(rows.tobytes(), 6)) + chunk(b'IEND', b''))
+
+
+def turned_picture(render, value_range, options):
+    """The widget of Volume.widget(); `render` draws a picture."""
     try:
         import ipywidgets
     except ImportError:
