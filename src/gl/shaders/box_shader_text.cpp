@@ -162,7 +162,13 @@ layout(location = 0) out vec4 result;
 uniform vec4 clip_planes[CLIP_PLANES];
 #endif
 
-// How much farther the slices of a pixel's ray lie, see FrameSetup::jitter.
+// Along the volume's axes: slice k lies at origin + (k + 0.5) * step from the rays' common origin.
+struct Ray {
+  vec3 origin, step;
+  float jitter;  // how much farther the ray's slices lie, see FrameSetup::jitter
+  float length;  // slices from sample to sample
+};
+
 #if JITTERS
 uniform sampler2D noise;
 uniform float jitter_share;
@@ -173,18 +179,23 @@ float jitterAt(vec2 pixel) {
 float jitterAt(vec2 pixel) { return 0.0; }
 #endif
 
+Ray rayAt(vec2 pixel) {
+  Ray ray;
+  ray.step = step0 + pixel.x * step_dx + pixel.y * step_dy;
+  ray.jitter = jitterAt(pixel);
+  ray.origin = pixel.x * origin_dx + pixel.y * origin_dy + ray.jitter * ray.step;
+#if PERSPECTIVE
+  ray.length = length(vec3(pixel.x * pixel_ray.x + pixel_ray.y,
+                           pixel.y * pixel_ray.z + pixel_ray.w, 1.0));
+#else
+  ray.length = 1.0;
+#endif
+  return ray;
+}
+
 // The first slice past the face at distance t. Both boxes at a face compute the same number.
 vec3 sliceAt(vec3 t, vec3 step) {
   return mix(floor(t) + 1.0, ceil(t), greaterThan(step, vec3(0.0)));
-}
-
-float rayLengthAt(vec2 pixel) {
-#if PERSPECTIVE
-  return length(vec3(pixel.x * pixel_ray.x + pixel_ray.y, pixel.y * pixel_ray.z + pixel_ray.w,
-                     1.0));
-#else
-  return 1.0;
-#endif
 }
 )";
 
@@ -212,12 +223,23 @@ ivec2 slices(vec3 origin, vec3 step) {
 }
 )";
 
+const char* const kWayText = R"(
+// A pixel's way through the box: its slices [from, to), and in the texture the place of slice
+// first_k and the way from slice to slice.
+ivec2 range;
+vec3 first, along;
+void enterBox(vec2 pixel, Ray ray) {
+  range = slices(ray.origin, ray.step);
+  along = textureOrder(ray.step * TEXEL_SCALE) * texel_size;
+  first = texel0 + pixel.x * texel_dx + pixel.y * texel_dy + ray.jitter * along;
+}
+)";
+
 // The voxel planes that this pixel's ray meets in the box, see FrameSetup: sample j of [from, to)
 // lies at clamp(start + clamp(j, ends.x, ends.y) * along, 0, size) voxels from the box's lower
 // corner, which is texel `corner`. `ends` are the ends of the ray's way through what is shown, if
 // they lie in the box. Along the volume's axes.
 const char* const kPlanesText = R"(
-#if PLANES
 uniform float planes_a_voxel, end_margin;
 
 // 0 for an outer face, else far beyond any slice.
@@ -287,27 +309,14 @@ ivec2 planes(vec2 pixel, out vec3 start, out vec3 along, out vec3 size, out vec3
   return ivec2(int(is_first ? floor(from + end_margin) : ceil(from)),
                int(is_last ? ceil(to - end_margin) : floor(to)) + 1);
 }
-#endif
 )";
 
 const char* const kCountText = R"(
-#if PLANES
-void main() {
-  vec3 start, along, size, corner;
-  vec2 ends;
-  ivec2 range = planes(gl_FragCoord.xy + vec2(0.0, first_row), start, along, size, corner, ends);
-  if (range.x >= range.y) discard;
-  result = vec4(float(range.y - range.x));
-}
-#else
 void main() {
   vec2 pixel = gl_FragCoord.xy + vec2(0.0, first_row);
-  vec3 step = step0 + pixel.x * step_dx + pixel.y * step_dy;
-  ivec2 range = slices(pixel.x * origin_dx + pixel.y * origin_dy + jitterAt(pixel) * step, step);
-  if (range.x >= range.y) discard;
+  enter(pixel, rayAt(pixel));
   result = vec4(float(range.y - range.x));
 }
-#endif
 )";
 
 }  // namespace sluice

@@ -2,37 +2,6 @@
 
 namespace sluice {
 
-const char* const kOutputsText = R"(
-// Texels below are, or are interpolated with, one that stands for NaN.
-#define IS_NO_NUMBER(v) lessThan(v, vec3(-2e30))
-#if WITH_DEPTH
-layout(location = 1) out vec4 depth_sum;  // opacity times depth, and opacity to blend by
-#endif
-#if COUNTS_TAKEN
-layout(location = 1) out vec4 taken;  // samples; of opacity 0, so that they add up
-#endif
-#if COMBINING == 4
-uniform sampler2D kept;      // the target before this box
-#endif
-#if COMBINING == 4 || CODES_DEPTH
-// FrameSetup::window: its first value, 1 / its length; the attenuation from slice to slice.
-uniform vec3 window_texels;
-#endif
-#if CODES_DEPTH
-uniform vec4 depth_row;      // depthRow() of positions from the rays' common origin
-#endif
-#if CUES_DEPTH
-uniform vec3 depth_cue;      // how much slice -1/2 is darkened, each slice more, and the most
-#endif
-// A colour at a slice, which may lie between two, as it shows through depth cueing.
-vec4 cued(vec4 color, float slice) {
-#if CUES_DEPTH
-  color.rgb *= 1.0 - clamp(depth_cue.x + (slice + 0.5) * depth_cue.y, 0.0, depth_cue.z);
-#endif
-  return color;
-}
-)";
-
 const char* const kColorText = R"(
 uniform sampler2D look_up;
 #if GRADIENT_ROWS > 0 || LABELS
@@ -47,6 +16,16 @@ float corrected(float opacity, float lengths) {
 #endif
 }
 #endif
+
+// Unit lengths between samples that are this many slices apart.
+float voxelLengths(float ray_length) {
+#if GRADIENT_ROWS > 0 || LABELS
+  return slice_length * ray_length;
+#else
+  return 1.0;
+#endif
+}
+
 #if LABEL_TABLE
 #define LABEL_ROW 4096
 uniform int label_entries;

@@ -83,7 +83,8 @@ constexpr const char* kOfChannels[] = {
     "meanWeights",   "texel_scale",     "share_unit",       "expected",
     "expected_line", "expectedColor",   "spreadShareAt",    "expected_length",
     "sharedOpacity", "shownOf",         "soleBody",         "storedAt",
-    "bodyOf",        "rough_parts",     "even_light",       "roughOf"};
+    "bodyOf",        "rough_parts",     "even_light",       "roughOf",
+    "mayShow",       "mayShowBetween",  "voxelLengths"};
 
 // The text of one channel: the same as that of a single one, with names of its own.
 std::string channelText(const ShaderVariant& variant, size_t channel) {
@@ -94,8 +95,42 @@ std::string channelText(const ShaderVariant& variant, size_t channel) {
     text += fmt::format("#define {0} {0}_{1}\n", name, channel);
     after += fmt::format("#undef {}\n", name);
   }
-  return text + kBoxInputsText + kReadBoxText + kIntervalText + kTexelText + kColorText +
+  return text + kBoxInputsText + kReadBoxText + kIntervalText + kWayText + kTexelText + kColorText +
          kLabelText + kShownColorText + kChannelText + after;
+}
+
+std::string placesText(const ShaderVariant& variant) {
+  return variant.planes ? std::string(kPlanesText) + kPlaneSamplesText
+                        : std::string(kIntervalText) + kWayText + kSliceSamplesText;
+}
+
+const char* samplesText(const ShaderVariant& variant) {
+  if (variant.surfaces > 0) return kSurfacesText;
+  return variant.integrates ? kSegmentsText : kValuesText;
+}
+
+const char* combiningText(const ShaderVariant& variant) {
+  if (variant.surfaces > 0) return "";  // part of the samples' text
+  if (variant.codes_depth) return kDepthCodeText;
+  switch (variant.combining) {
+    case Combining::kBlend:
+      return kBlendText;
+    case Combining::kGreatest:
+      return kGreatestText;
+    case Combining::kLeast:
+      return kLeastText;
+    case Combining::kSum:
+      return kAverageText;
+    case Combining::kAttenuated:
+      return kAttenuatedText;
+  }
+  return "";
+}
+
+std::string samplingText(const ShaderVariant& variant) {
+  return std::string(kTexelText) + kColorText + kLabelText + kShownColorText + kSumText +
+         kLightPlaceText + kSampleText + samplesText(variant) + combiningText(variant) +
+         kSampleMainText;
 }
 
 }  // namespace
@@ -107,10 +142,8 @@ std::string vertexShader(const ShaderVariant& variant) {
 
 std::string fragmentShader(const ShaderVariant& variant) {
   return kVersion + definitions(variant) + "#define FLAT flat in\n" + kViewInputsText +
-         kBoxInputsText + kRayText + kIntervalText + kPlanesText +
-         (variant.counts ? std::string(kCountText)
-                         : kOutputsText + std::string(kTexelText) + kColorText + kLabelText +
-                               kShownColorText + kSurfaceText + kSampleText);
+         kBoxInputsText + kRayText + placesText(variant) +
+         (variant.counts ? kCountText : samplingText(variant));
 }
 
 std::string blendedVertexShader(const BlendedVariant& variant) {
@@ -121,15 +154,15 @@ std::string blendedVertexShader(const BlendedVariant& variant) {
 
 std::string blendedFragmentShader(const BlendedVariant& variant) {
   std::string text = kVersion + definitions(variant.view) + "#define FLAT flat in\n" +
-                     kViewInputsText + kRayText + kOutputsText + "#undef FLAT\n#define FLAT\n";
+                     kViewInputsText + kRayText + kSumText + "#undef FLAT\n#define FLAT\n";
   std::string enter, add;
   for (size_t c = 0; c < variant.channels.size(); ++c) {
     text += channelText(variant.channels[c], c);
     enter += fmt::format(
-        "enterBox_{0}(block_at + {1}, pixel, origin, ray_step, jitter); "
+        "readBox_{0}(block_at + {1}); enterBox_{0}(pixel, ray); "
         "all_slices = united(all_slices, range_{0}); ",
         c, kTexelsPerBox * (c + 1));
-    add += fmt::format("addSample_{}(k, ray_length, total, clear); ", c);
+    add += fmt::format("addSample_{}(k, ray, total, clear); ", c);
   }
   return text + undefined() + definitions(variant.view) +
          fmt::format("#define ENTER_BOXES {}\n#define ADD_SAMPLES {}\n", enter, add) + kBlendedText;

@@ -2,8 +2,7 @@
 
 namespace sluice {
 
-const char* const kSurfaceText = R"(
-#if SURFACES > 0
+const char* const kSurfacesText = R"(
 uniform float surface_levels[SURFACES];  // texel values, ascending
 uniform vec4 surface_colors[SURFACES];   // premultiplied
 uniform vec3 place_origin;    // of the rays' common origin, from placeBase()
@@ -91,7 +90,60 @@ vec4 partOf(vec4 color, float part) {
   float opacity = color.a < 1.0 ? 1.0 - exp2(part * log2(1.0 - color.a)) : part > 0.0 ? 1.0 : 0.0;
   return color * (opacity / max(color.a, 1e-20));
 }
+
+// The values at the ends of a slice's way, as endAt() has them.
+float near_end, far_end;
+
+void enterSamples() { far_end = endAt(placeAt(range.x) - 0.5 * along); }
+
+// Goes on to the next slice that may meet a surface or show something else.
+Sample nextSample(inout int k, Ray ray) {
+  vec3 at;
+  vec2 both;
+  for (;; ++k) {
+    countSample();
+    at = placeAt(k);
+    near_end = far_end;
+    far_end = endAt(at + 0.5 * along);
+    both = texelAt(at);
+    if (mayMeet(near_end, far_end) || (HAS_OPACITIES == 1 && mayShow(both)) || k + 1 == range.y)
+      break;
+  }
+#if HAS_OPACITIES
+  return sampleAt(at, both, k, ray);
+#else
+  return Sample(at, both.r, vec4(0.0));
 #endif
+}
+
+void beginSum(Ray ray) { beginSumWith(vec4(0.0)); }
+
+// The slice is blended in parts, with a surface behind each but the last.
+void combine(Sample next, int k, Ray ray) {
+  float slice = float(k) + ray.jitter, from = 0.0;
+  // A loop, since software GL skips no `if`.
+  for (bool again = mayMeet(near_end, far_end); again; again = false) {
+    float h = float(k - first_k) - 0.5;
+    float front = sharedEndAt(ray.origin, ray.step, float(k), first + h * along);
+    float back = sharedEndAt(ray.origin, ray.step, float(k + 1), first + (h + 1.0) * along);
+    bool up = back > front;
+    float value_from = front;
+    for (int n = 0; n < SURFACES; ++n) {
+      int i = up ? n : SURFACES - 1 - n;
+      float level = surface_levels[i];
+      for (bool meets = meetsLevel(front, back, level); meets; meets = false) {
+        float part = crossing(first, along, h, level, from, value_from, back, up);
+        blend(partOf(next.color, part - from), slice);
+        blend(surfaceColor(first + (h + part) * along, level, surface_colors[i],
+                           lightAt(ray, float(k) - 0.5 + part)),
+              slice - 0.5 + part);
+        from = part;
+        value_from = level;
+      }
+    }
+  }
+  blend(partOf(next.color, 1.0 - from), slice);
+}
 )";
 
 }  // namespace sluice

@@ -3,6 +3,8 @@
 namespace sluice {
 
 const char* const kTexelText = R"(
+// Texels below are, or are interpolated with, one that stands for NaN.
+#define IS_NO_NUMBER(v) lessThan(v, vec3(-2e30))
 uniform sampler3D chunk;
 
 // The eight texels around a place, in texels from the first one's centre.
@@ -64,19 +66,6 @@ float endAt(vec3 at) {
 }
 #endif
 
-// The same for a sample: only about that if it shows nothing, or of labels, which labelAt() reads.
-vec2 texelAt(vec3 at) {
-#if LABELS
-  return roughAt(at);
-#elif ROUGH_FIRST
-  vec2 rough = roughAt(at);
-  if (rough.r >= visible.x - filter_tie && rough.r <= visible.y + filter_tie) return exactAt(at);
-  return rough;
-#else
-  return filteredAt(at);
-#endif
-}
-
 #if PLANES && FLOATS
 // On a voxel plane the voxels beside it have no part, but rounding gives them one, and of a texel
 // that stands for NaN the least is too much: here it is none.
@@ -87,6 +76,42 @@ float valueOnPlane(vec3 at) {
   return exactOf(mix(texel, nearest, lessThan(abs(texel - nearest), vec3(kRounding)))).r;
 }
 #endif
+
+// The same for a sample: only about that if it shows nothing, or of labels, which labelAt() reads.
+vec2 texelAt(vec3 at) {
+#if LABELS
+  return roughAt(at);
+#elif ROUGH_FIRST
+  vec2 rough = roughAt(at);
+  if (rough.r >= visible.x - filter_tie && rough.r <= visible.y + filter_tie) return exactAt(at);
+  return rough;
+#elif PLANES && FLOATS && FETCHES
+  return vec2(valueOnPlane(at), 0.0);
+#else
+  return filteredAt(at);
+#endif
+}
+
+// Whether a texel, or one of the values from one to another, may show. All may unless GOES_AHEAD.
+// Software GL runs a loop's body for several pixels together, as long as any of them needs it, and
+// skips nothing by `if`: so each pixel goes ahead to where it has something to light, and the reads
+// there are made for all at once.
+bool mayShow(vec2 both) {
+#if GOES_AHEAD && SPREAD
+  return both.g > 0.0 || (both.r >= visible.x && both.r <= visible.y);
+#elif GOES_AHEAD
+  return both.r >= visible.x && both.r <= visible.y;
+#else
+  return true;
+#endif
+}
+bool mayShowBetween(float front, float back) {
+#if GOES_AHEAD
+  return max(front, back) >= visible.x && min(front, back) <= visible.y;
+#else
+  return true;
+#endif
+}
 
 #if GRADIENTS
 #if FETCHES
