@@ -107,7 +107,7 @@ std::vector<OptionEntry> lookEntries() {
           .turn = 2,
           .kind = {Form::kFile},
           .value = "FILE",
-          .help = "Names, colours and opacities of labels, as ITK-SNAP or 3D Slicer "
+          .help = "Names, colours and opacities of labels, as ITK-SNAP, 3D Slicer or FreeSurfer "
                   "writes them; other labels do not show",
           .is_printed = hasNoFile}),
       in(&Look::label_looks, {.key = "label_looks",

@@ -138,10 +138,9 @@ std::vector<OptionEntry> pictureEntries() {
                                 .turn = 52,
                                 .kind = bare_share,
                                 .value = "SHARE",
-                                .help = "Matter around a place keeps other light away from it "
-                                        "(ambient occlusion); "
-                                        "--occlusion-light=SHARE, 0 to "
-                                        "1, keeps that part away (1)",
+                                .help = "Darkens pits and gaps in lit pictures: matter around a "
+                                        "place keeps other light away (ambient occlusion); "
+                                        "--occlusion-light=SHARE, 0 to 1, keeps that part away (1)",
                                 .is_printed = mayBeLit}),
       in(&Lighting::depth_cueing,
          {.key = "depth_cueing",
@@ -152,9 +151,8 @@ std::vector<OptionEntry> pictureEntries() {
           .turn = 53,
           .kind = bare_share,
           .value = "SHARE",
-          .help = "Darkens distant parts, lit or not, the farthest visible "
-                  "part by all; --depth-cueing=SHARE, 0 to 1, "
-                  "by that share",
+          .help = "Darkens distant parts, lit or not, the farthest visible part to black; "
+                  "--depth-cueing=SHARE, 0 to 1, darkens it by that share (1)",
           .is_printed = hasColors}),
       in(&Picture::crop,
          {.key = "crop",
@@ -163,7 +161,7 @@ std::vector<OptionEntry> pictureEntries() {
           .turn = 42,
           .kind = {Form::kBox},
           .value = "X0,Y0,Z0,X1,Y1,Z1",
-          .help = "Shows the voxels between these planes, the upper ones not included"}),
+          .help = "Shows only voxels X0 to X1 - 1 along x, and so on; the first voxel is 0"}),
       in(&Picture::clip_planes,
          {.key = "clip",
           .option = "--clip",
@@ -172,7 +170,7 @@ std::vector<OptionEntry> pictureEntries() {
           .turn = 43,
           .kind = {Form::kPlanes, kWorldRange},
           .value = "A,B,C,D",
-          .help = "Shows world positions with a x + b y + c z <= d; may be given up to 6 times"}),
+          .help = "Shows world positions with A x + B y + C z <= D; may be given up to 6 times"}),
       in(&ViewState::background, {.key = "background",
                                   .option = "--background",
                                   .heading = kLookHeading,
@@ -197,9 +195,10 @@ std::vector<OptionEntry> pictureEntries() {
           .heading = kDrawingHeading,
           .kind = {Form::kSeconds, {0, 1e9}, "a number of seconds"},
           .value = "SECONDS",
-          .help = "Draws the best picture that this time allows, counted from the start. Of a "
-                  "volume without levels of resolution, blocks that are not read in time are left "
-                  "out, and the missing share is printed (waits for all)",
+          .help =
+              "Draws the best picture that this time allows, as in 1s or 500ms, counted from the "
+              "start. Of a volume with an index but without levels of resolution, blocks that "
+              "are not read in time are left out, and the missing share is printed (no limit)",
           .part = OptionPart::kPicture}),
       in(&Picture::level, {.key = "level",
                            .option = "--level",

@@ -24,7 +24,8 @@ void addCullingOptions(CLI::App& app, CullingArguments& arguments, bool chooses)
                "Cells per side of a part of a block in its opacity function, a multiple of 4");
   group.number(
       "--detail", "BITS", arguments.detail, {0, 2},
-      "Bits for each of the 64 cubes of a part; more bits cull more blocks and need more storage");
+      "Bits for each of the 64 cubes of a part, 0 to 2; more bits cull more blocks and need more "
+      "storage");
   group.text("--basis", "FILE,...", arguments.basis,
              "Computes opacity functions for these transfer functions; any other with opacity 1 - "
              "product of (1 - A)^K needs none of its own");

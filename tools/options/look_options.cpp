@@ -40,9 +40,11 @@ void addLookOptions(CLI::App& app, const AskedView& asked, LookArguments& look,
   table.addRest(kLookHeading, OptionPart::kLook);
   table.add("--background");
   table.addRest(kPartsHeading, OptionPart::kLook);
-  light.flag("--shade", look.shade, "Gradient Phong lighting");
-  light.flag("--no-shade", look.no_shade,
-             "No lighting; without this option, pictures that show surfaces are lit");
+  light.flag("--shade", look.shade, "Lights the picture (Phong lighting by the gradient)");
+  light.flag(
+      "--no-shade", look.no_shade,
+      "No lighting; without this option, pictures of --mode composite are lit, except several "
+      "channels, and a solid or translucent block that sluice chooses");
   light.rare().flag(
       "--modulate", look.modulate,
       "Multiplies the opacity by a ramp of the gradient's magnitude, 0 where the volume is flat");

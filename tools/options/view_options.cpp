@@ -58,7 +58,8 @@ void addDrawingOptions(CLI::App& app, const AskedView& asked, FrameOptions& opti
   OptionGroup(app, std::string(kDrawingHeading))
       .parsed(
           "-s,--size", "WxH", "WxH or one number for both, each from 1 to 65536", parsePictureSize,
-          [&options](PictureSize size) { options.size = size; }, "Pixels",
+          [&options](PictureSize size) { options.size = size; },
+          "Width and height in pixels; one number stands for both",
           fmt::format("{}x{}", options.size.width, options.size.height));
   const TableOptions table = frameTable(app, asked, options);
   table.add("--step", numberText(options.step_vox));
