@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <array>
-#include <utility>
+#include <type_traits>
 
 #include "cache/policies/counting_policies.h"
 #include "cache/policies/ghost_policies.h"
@@ -14,22 +14,52 @@
 namespace sluice {
 namespace {
 
-constexpr std::array kNames{
-    std::pair{PolicyKind::kLru, "lru"},       std::pair{PolicyKind::kFifo, "fifo"},
-    std::pair{PolicyKind::kClock, "clock"},   std::pair{PolicyKind::kRandom, "random"},
-    std::pair{PolicyKind::kSrrip, "srrip"},   std::pair{PolicyKind::kTwoQ, "2q"},
-    std::pair{PolicyKind::kArc, "arc"},       std::pair{PolicyKind::kS3Fifo, "s3-fifo"},
-    std::pair{PolicyKind::kSieve, "sieve"},   std::pair{PolicyKind::kLfu, "lfu"},
-    std::pair{PolicyKind::kSlru, "slru"},     std::pair{PolicyKind::kWTinyLfu, "w-tinylfu"},
-    std::pair{PolicyKind::kLirs, "lirs"},     std::pair{PolicyKind::kGdsf, "gdsf"},
-    std::pair{PolicyKind::kBelady, "belady"}, std::pair{PolicyKind::kBeladyPages, "belady-pages"},
-};
+template <class OnePolicy>
+std::unique_ptr<Policy> make(uint64_t capacity, uint64_t seed) {
+  if constexpr (std::is_constructible_v<OnePolicy, uint64_t, uint64_t>)
+    return std::make_unique<OnePolicy>(capacity, seed);
+  else
+    return std::make_unique<OnePolicy>(capacity);
+}
 
-constexpr std::array kOnline{PolicyKind::kLru,    PolicyKind::kFifo,   PolicyKind::kClock,
-                             PolicyKind::kRandom, PolicyKind::kSrrip,  PolicyKind::kTwoQ,
-                             PolicyKind::kArc,    PolicyKind::kS3Fifo, PolicyKind::kSieve,
-                             PolicyKind::kLfu,    PolicyKind::kSlru,   PolicyKind::kWTinyLfu,
-                             PolicyKind::kLirs,   PolicyKind::kGdsf};
+struct PolicyRow {
+  PolicyKind kind;
+  std::string_view name;
+  std::unique_ptr<Policy> (*make)(uint64_t capacity, uint64_t seed);
+};
+// In the order of PolicyKind. Policies that know the future come last: belady.h makes them.
+constexpr std::array kPolicies{
+    PolicyRow{PolicyKind::kLru, "lru", make<LruPolicy>},
+    PolicyRow{PolicyKind::kFifo, "fifo", make<FifoPolicy>},
+    PolicyRow{PolicyKind::kClock, "clock", make<ClockPolicy>},
+    PolicyRow{PolicyKind::kRandom, "random", make<RandomPolicy>},
+    PolicyRow{PolicyKind::kSrrip, "srrip", make<SrripPolicy>},
+    PolicyRow{PolicyKind::kTwoQ, "2q", make<TwoQPolicy>},
+    PolicyRow{PolicyKind::kArc, "arc", make<ArcPolicy>},
+    PolicyRow{PolicyKind::kS3Fifo, "s3-fifo", make<S3FifoPolicy>},
+    PolicyRow{PolicyKind::kSieve, "sieve", make<SievePolicy>},
+    PolicyRow{PolicyKind::kLfu, "lfu", make<LfuPolicy>},
+    PolicyRow{PolicyKind::kSlru, "slru", make<SlruPolicy>},
+    PolicyRow{PolicyKind::kWTinyLfu, "w-tinylfu", make<WTinyLfuPolicy>},
+    PolicyRow{PolicyKind::kLirs, "lirs", make<LirsPolicy>},
+    PolicyRow{PolicyKind::kGdsf, "gdsf", make<GdsfPolicy>},
+    PolicyRow{PolicyKind::kBelady, "belady", nullptr},
+    PolicyRow{PolicyKind::kBeladyPages, "belady-pages", nullptr},
+};
+constexpr size_t kOnline =
+    std::ranges::count_if(kPolicies, [](const PolicyRow& row) { return row.make != nullptr; });
+
+constexpr auto kKinds = [] {
+  std::array<PolicyKind, kPolicies.size()> kinds{};
+  std::ranges::transform(kPolicies, kinds.begin(), &PolicyRow::kind);
+  return kinds;
+}();
+
+constexpr const PolicyRow& rowOf(PolicyKind kind) {
+  return kPolicies[static_cast<size_t>(kind)];
+}
+static_assert(std::ranges::all_of(kKinds,
+                                  [](PolicyKind kind) { return rowOf(kind).kind == kind; }));
 
 }  // namespace
 
@@ -159,65 +189,25 @@ void Policy::removeResident(uint32_t index) {
 }
 
 std::span<const PolicyKind> onlinePolicies() {
-  return kOnline;
+  return std::span(kKinds).first<kOnline>();
 }
 
-std::vector<PolicyKind> allPolicies() {
-  std::vector<PolicyKind> kinds(kOnline.begin(), kOnline.end());
-  kinds.insert(kinds.end(), {PolicyKind::kBelady, PolicyKind::kBeladyPages});
-  return kinds;
+std::span<const PolicyKind> allPolicies() {
+  return kKinds;
 }
 
 std::string_view name(PolicyKind kind) {
-  for (const auto& [k, text] : kNames) {
-    if (k == kind) return text;
-  }
-  return "?";
+  return rowOf(kind).name;
 }
 
 std::optional<PolicyKind> parsePolicy(std::string_view text) {
-  for (const auto& [k, known] : kNames) {
-    if (known == text) return k;
-  }
-  return std::nullopt;
+  const auto found = std::ranges::find(kPolicies, text, &PolicyRow::name);
+  return found == kPolicies.end() ? std::nullopt : std::optional(found->kind);
 }
 
 std::unique_ptr<Policy> makePolicy(PolicyKind kind, uint64_t capacity, uint64_t seed) {
-  switch (kind) {
-    case PolicyKind::kLru:
-      return std::make_unique<LruPolicy>(capacity);
-    case PolicyKind::kFifo:
-      return std::make_unique<FifoPolicy>(capacity);
-    case PolicyKind::kClock:
-      return std::make_unique<ClockPolicy>(capacity);
-    case PolicyKind::kRandom:
-      return std::make_unique<RandomPolicy>(capacity, seed);
-    case PolicyKind::kSrrip:
-      return std::make_unique<SrripPolicy>(capacity);
-    case PolicyKind::kTwoQ:
-      return std::make_unique<TwoQPolicy>(capacity);
-    case PolicyKind::kArc:
-      return std::make_unique<ArcPolicy>(capacity);
-    case PolicyKind::kS3Fifo:
-      return std::make_unique<S3FifoPolicy>(capacity);
-    case PolicyKind::kSieve:
-      return std::make_unique<SievePolicy>(capacity);
-    case PolicyKind::kLfu:
-      return std::make_unique<LfuPolicy>(capacity);
-    case PolicyKind::kSlru:
-      return std::make_unique<SlruPolicy>(capacity);
-    case PolicyKind::kWTinyLfu:
-      return std::make_unique<WTinyLfuPolicy>(capacity);
-    case PolicyKind::kLirs:
-      return std::make_unique<LirsPolicy>(capacity);
-    case PolicyKind::kGdsf:
-      return std::make_unique<GdsfPolicy>(capacity);
-    case PolicyKind::kBelady:
-    case PolicyKind::kBeladyPages:
-      break;
-  }
-  SLUICE_CHECK(!"Belady's optimum needs the whole trace: see belady.h");
-  return nullptr;
+  SLUICE_CHECK(rowOf(kind).make != nullptr);  // Belady's optimum needs the whole trace: belady.h
+  return rowOf(kind).make(capacity, seed);
 }
 
 }  // namespace sluice

@@ -72,7 +72,6 @@ class Policy {
   uint64_t capacity() const { return capacity_; }
   uint64_t used() const { return used_; }            // pages of the resident entries
   uint64_t residents() const { return residents_; }  // their number
-  uint64_t pinnedWeight() const { return pinned_weight_; }
 
   // Room for keys below `keys`.
   void reserve(Key keys);
@@ -164,10 +163,9 @@ enum class PolicyKind {
 
 // The policies that need no knowledge of the future, in the order above.
 std::span<const PolicyKind> onlinePolicies();
-// All policies, those that know the future last.
-std::vector<PolicyKind> allPolicies();
-// "lru", "fifo", "clock", "random", "srrip", "2q", "arc", "s3-fifo", "sieve", "lfu", "slru",
-// "w-tinylfu", "lirs", "gdsf", "belady", "belady-pages": the names that --policy takes.
+// All policies, in the order above.
+std::span<const PolicyKind> allPolicies();
+// The names that --policy takes, as "lru" and "w-tinylfu".
 std::string_view name(PolicyKind kind);
 std::optional<PolicyKind> parsePolicy(std::string_view text);
 
