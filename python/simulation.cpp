@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <pybind11/pybind11.h>
 
+#include <nlohmann/json.hpp>
+
 #include "cache/simulate/simulation_report.h"
 #include "cache/simulate/simulator.h"
 #include "cache/trace/prepared_trace.h"
@@ -34,7 +36,7 @@ PreparedTrace traceOf(const SimulationRequest& request) {
 }
 
 std::vector<PolicyKind> policiesOf(const std::vector<std::string>& names) {
-  if (names.empty()) return allPolicies();
+  if (names.empty()) return {allPolicies().begin(), allPolicies().end()};
   std::vector<PolicyKind> kinds;
   for (const std::string& word : names) {
     const std::optional<PolicyKind> kind = parsePolicy(word);
@@ -60,7 +62,7 @@ std::string simulatedRows(const SimulationRequest& request) {
       request.sizes.empty() ? defaultSizes(trace, kUsualPages) : request.sizes;
   SimulationConfig config;
   config.pin_clusters = request.pins;
-  return toJson(simulateTable(trace, policies, sizes, config));
+  return nlohmann::json{{"rows", rowsJson(simulateTable(trace, policies, sizes, config))}}.dump();
 }
 
 }  // namespace sluice::python

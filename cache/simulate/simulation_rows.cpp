@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 #include <utility>
 #include <vector>
 
@@ -10,13 +11,20 @@
 namespace sluice {
 namespace {
 
-// `unknown` if there is no value.
+nlohmann::json jsonOf(const auto& value) {
+  return value;
+}
+nlohmann::json jsonOf(const std::optional<uint64_t>& value) {
+  return value ? nlohmann::json(*value) : nlohmann::json();
+}
+
+// Empty if there is no value.
 template <class Value>
-std::string textOf(const Value& value, const char* /*unknown*/) {
+std::string textOf(const Value& value) {
   return fmt::format("{}", value);
 }
-std::string textOf(const std::optional<uint64_t>& value, const char* unknown) {
-  return value ? fmt::format("{}", *value) : unknown;
+std::string textOf(const std::optional<uint64_t>& value) {
+  return value ? fmt::format("{}", *value) : std::string();
 }
 
 template <class Visit>
@@ -78,23 +86,21 @@ std::string toCsv(std::span<const SimulationRow> rows) {
   out += '\n';
   for (const SimulationRow& row : rows) {
     out += name(row.policy);
-    visitFields(row, [&](const char*, const auto& value) { out += ',' + textOf(value, ""); });
+    visitFields(row, [&](const char*, const auto& value) { out += ',' + textOf(value); });
     for (const Label& label : labels) out += ',' + quoted(row.*label.second);
     out += '\n';
   }
   return out;
 }
 
-std::string toJson(std::span<const SimulationRow> rows) {
-  std::string out = "{\"rows\": [";
-  for (size_t i = 0; i < rows.size(); ++i) {
-    out += fmt::format("{}\n  {{\"policy\": \"{}\"", i == 0 ? "" : ",", name(rows[i].policy));
-    visitFields(rows[i], [&](const char* field, const auto& value) {
-      out += fmt::format(", \"{}\": {}", field, textOf(value, "null"));
-    });
-    out += '}';
+nlohmann::json rowsJson(std::span<const SimulationRow> rows) {
+  nlohmann::json all = nlohmann::json::array();
+  for (const SimulationRow& row : rows) {
+    nlohmann::json& object = all.emplace_back();
+    object["policy"] = name(row.policy);
+    visitFields(row, [&](const char* field, const auto& value) { object[field] = jsonOf(value); });
   }
-  return out + "\n]}\n";
+  return all;
 }
 
 }  // namespace sluice

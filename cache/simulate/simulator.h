@@ -19,6 +19,7 @@
 #pragma once
 
 #include <cstdint>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <span>
 #include <string>
@@ -90,8 +91,7 @@ std::string brokenIdentity(const SimulationRow& row);
 // their trace, page size or channel have it in columns at the end; names with commas or quotes are
 // quoted.
 std::string toCsv(std::span<const SimulationRow> rows);
-// {"rows": [{"policy": ...}]} with the names of toCsv, less the labels. Unknown values
-// are empty there, null here.
-std::string toJson(std::span<const SimulationRow> rows);
+// The same as a list of objects, less the labels. Unknown values are empty there, null here.
+nlohmann::json rowsJson(std::span<const SimulationRow> rows);
 
 }  // namespace sluice

@@ -22,8 +22,8 @@ void addLabels(json& object, const auto& labelled) {
   object["channel"] = is_number ? json::parse(channel) : json(channel);
 }
 
-json rowsJson(std::span<const SimulationRow> rows) {
-  json labelled = json::parse(toJson(rows))["rows"];
+json labelledRows(std::span<const SimulationRow> rows) {
+  json labelled = rowsJson(rows);
   for (size_t i = 0; i < rows.size(); ++i) addLabels(labelled[i], rows[i]);
   return labelled;
 }
@@ -116,9 +116,9 @@ void printSampled(const SimulatedRun& run) {
 }  // namespace
 
 json simulationJson(std::span<const SimulatedRun> runs, const SimulateArguments& arguments) {
-  json report{{"rows", rowsJson(allRows(runs))}};
+  json report{{"rows", labelledRows(allRows(runs))}};
   const std::vector<SimulationRow> sum = sumOfChannels(runs);
-  if (!sum.empty()) report["sum"] = rowsJson(sum);
+  if (!sum.empty()) report["sum"] = labelledRows(sum);
   report["command"] = "simulate";
   report.update(factsJson(runs.front()));
   json& curves = report["curves"] = json::array();
