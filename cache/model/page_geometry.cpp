@@ -58,28 +58,24 @@ std::string printPageSize(Vec3i size_vox) {
   return fmt::format("{}x{}x{}", size_vox.x, size_vox.y, size_vox.z);
 }
 
-const std::vector<PageConfiguration>& pageConfigurations() {
-  static const std::string sparse_known =
-      "the shape of a 64 KiB page for this voxel size in the standard sparse block shapes of 3D "
-      "images";
-  static const std::string sparse_assumed =
-      "64 MiB of texture memory for the volume: no standard says how much a driver keeps resident";
-  static const std::vector<PageConfiguration> all{
-      {"octane",
-       {{32, 64, 2}, 1, 256},
-       "SGI Octane/MXI of Tong 1999, section 4: pages of 32x64x2 voxels in 4 KiB, a cache of "
-       "128x128x64 voxels, which is 256 pages",
-       "one byte a voxel (4 KiB / 4096 voxels); any free page may take any part of a chunk"},
-      {"octane-4mb",
-       {{32, 64, 2}, 1, 1024},
-       "the same machine's texture memory of 4 MB and its page of 4 KiB",
-       "all of the 4 MB hold the volume: the paper's cache of 128x128x64 voxels is 1 MiB at one "
-       "byte a voxel, and it does not say what the rest holds"},
-      {"sparse-8", {{64, 32, 32}, 1, 1024}, sparse_known, sparse_assumed},
-      {"sparse-16", {{32, 32, 32}, 2, 1024}, sparse_known, sparse_assumed},
-      {"sparse-32", {{32, 32, 16}, 4, 1024}, sparse_known, sparse_assumed},
+std::span<const PageConfiguration> pageConfigurations() {
+  static constexpr std::array kAll{
+      // SGI Octane/MXI of Tong 1999, section 4: pages of 32x64x2 voxels in 4 KiB, so a byte a
+      // voxel;
+      // a cache of 128x128x64 voxels, which is 256 pages. Assumed: any free page may take any part
+      // of a chunk.
+      PageConfiguration{"octane", {{32, 64, 2}, 1, 256}},
+      // The same machine's texture memory of 4 MB. Assumed: all of it holds the volume. The paper's
+      // cache is 1 MiB, and it does not say what the rest holds.
+      PageConfiguration{"octane-4mb", {{32, 64, 2}, 1, 1024}},
+      // The shapes of 64 KiB pages in the standard sparse block shapes of 3D images. Assumed: 64
+      // MiB
+      // of texture memory for the volume, since no standard says how much a driver keeps resident.
+      PageConfiguration{"sparse-8", {{64, 32, 32}, 1, 1024}},
+      PageConfiguration{"sparse-16", {{32, 32, 32}, 2, 1024}},
+      PageConfiguration{"sparse-32", {{32, 32, 16}, 4, 1024}},
   };
-  return all;
+  return kAll;
 }
 
 const PageConfiguration* findPageConfiguration(std::string_view name) {

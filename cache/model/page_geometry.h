@@ -9,9 +9,9 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "src/base/values/vec.h"
 
@@ -28,10 +28,6 @@ struct PageGeometry {
   Vec3i pageGridOf(Vec3i chunk_vox) const;
   // Their number. 0 for an empty chunk.
   int64_t pagesOf(Vec3i chunk_vox) const { return volume(pageGridOf(chunk_vox)); }
-  // Bytes that the whole pages hold beyond the chunk's own voxels.
-  int64_t roundingBytes(Vec3i chunk_vox) const {
-    return pagesOf(chunk_vox) * pageBytes() - volume(chunk_vox) * bytes_per_voxel;
-  }
   friend bool operator==(const PageGeometry&, const PageGeometry&) = default;
 };
 
@@ -44,17 +40,14 @@ std::optional<Vec3i> parsePageSize(std::string_view text);
 // "64x32x32".
 std::string printPageSize(Vec3i size_vox);
 
-// A machine by name. `known` and `assumed` are sentences for people: the facts from its makers or
-// the paper, and our assumptions.
+// A machine by name.
 struct PageConfiguration {
-  std::string name;
+  std::string_view name;
   PageGeometry geometry;
-  std::string known;
-  std::string assumed;
 };
 
 // octane, octane-4mb, sparse-8, sparse-16, sparse-32.
-const std::vector<PageConfiguration>& pageConfigurations();
+std::span<const PageConfiguration> pageConfigurations();
 // nullptr when there is none of that name.
 const PageConfiguration* findPageConfiguration(std::string_view name);
 

@@ -108,10 +108,7 @@ class PrefetchRun {
   Outcome request(Key key) {
     evicted_.clear();
     const Outcome outcome = cache_->request(key, trace_.weightOf(key), evicted_);
-    for (const Key gone : evicted_) {
-      if (unused_[gone]) result_.evicted_unused += trace_.weightOf(gone);
-      unused_[gone] = false;
-    }
+    for (const Key gone : evicted_) unused_[gone] = false;
     return outcome;
   }
 
@@ -131,13 +128,6 @@ std::string_view name(PrefetchModel model) {
     if (m == model) return text;
   }
   return "?";
-}
-
-std::optional<PrefetchModel> parsePrefetchModel(std::string_view text) {
-  for (const auto& [m, known] : kModelNames) {
-    if (known == text) return m;
-  }
-  return std::nullopt;
 }
 
 PrefetchResult simulatePrefetch(const Trace& trace, const PrefetchConfig& config) {

@@ -21,7 +21,6 @@ namespace sluice {
 
 enum class PrefetchModel { kNextCluster, kNextTimeStep, kLastOrder };
 std::string_view name(PrefetchModel model);
-std::optional<PrefetchModel> parsePrefetchModel(std::string_view text);
 
 struct PrefetchConfig {
   PrefetchModel model = PrefetchModel::kNextCluster;
@@ -38,7 +37,6 @@ struct PrefetchResult {
   uint64_t misses_without = 0;  // misses of the same cache without prefetching
   uint64_t prefetched = 0;      // loaded ahead
   uint64_t used = 0;            // prefetched, then requested before they were evicted
-  uint64_t evicted_unused = 0;  // prefetched, then evicted before they were requested
   uint64_t polluted = 0;        // demand misses that are hits without prefetching
 
   // The share of the chunks loaded ahead that was used; nullopt if nothing was loaded ahead.

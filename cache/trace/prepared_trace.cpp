@@ -104,11 +104,10 @@ PreparedTrace TracePreparer::finish() {
   return std::move(out_);
 }
 
-PreparedTrace prepare(const Trace& trace, Granularity granularity) {
+PreparedTrace prepare(const Trace& trace) {
   TracePreparer preparer(trace.page_bytes, trace.carries_clusters);
   for (const TraceRecord& r : trace.records) preparer.add(r);
-  PreparedTrace chunks = preparer.finish();
-  return granularity == Granularity::kChunks ? chunks : splitIntoPages(chunks);
+  return preparer.finish();
 }
 
 PreparedTrace splitIntoPages(const PreparedTrace& chunks) {
@@ -148,10 +147,9 @@ PreparedTrace splitIntoPages(const PreparedTrace& chunks) {
   return out;
 }
 
-PreparedTrace prepareUnit(const std::vector<Key>& keys, uint64_t page_bytes) {
+PreparedTrace prepareUnit(const std::vector<Key>& keys) {
   PreparedTrace out;
-  out.page_bytes = page_bytes;
-  out.bytes_of_all = {page_bytes, page_bytes, 0, 0};
+  out.bytes_of_all = {out.page_bytes, out.page_bytes, 0, 0};
   std::vector<bool> seen;
   for (const Key key : keys) {
     if (key >= out.distinct) out.distinct = key + 1;

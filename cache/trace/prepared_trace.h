@@ -2,10 +2,10 @@
 //
 // The units, which every number of the simulator follows:
 //   chunk request  one record: the renderer asks for a chunk, all of its pages or none.
-//   page request   a chunk request of p pages is p page requests. With Granularity::kChunks (as in
-//                  the renderer) they hit together or miss together, and replacement works on
-//                  whole chunks. With kPages each of the p pages is an entry of its own, requested
-//                  in order, as hardware that pages by itself would do it.
+//   page request   a chunk request of p pages is p page requests. As in the renderer they hit
+//                  together or miss together, and replacement works on whole chunks. After
+//                  splitIntoPages() each of the p pages is an entry of its own, requested in order,
+//                  as hardware that pages by itself would do it.
 // The first record of a chunk sets its pages and bytes; later ones that differ are counted in
 // `resized` and otherwise ignored, since a chunk id stands for the same voxels throughout.
 // Plain data, constant after prepare().
@@ -21,8 +21,6 @@
 #include "cache/trace/trace.h"
 
 namespace sluice {
-
-enum class Granularity { kChunks, kPages };
 
 struct PreparedTrace {
   uint64_t page_bytes = 4096;
@@ -78,12 +76,13 @@ class TracePreparer {
   uint32_t visit_ = 0, last_cluster_ = 0, last_frame_ = 0;
 };
 
-// Throws Error as TracePreparer does, or when there are 2^32 - 17 pages or more to split into.
-PreparedTrace prepare(const Trace& trace, Granularity granularity = Granularity::kChunks);
-// The same trace with each page an entry of its own. Takes some 8 bytes a page request.
+// Throws Error as TracePreparer does.
+PreparedTrace prepare(const Trace& trace);
+// The same trace with each page an entry of its own. Takes some 8 bytes a page request. Throws
+// Error when there are 2^32 - 17 pages or more to split into.
 PreparedTrace splitIntoPages(const PreparedTrace& chunks);
-// Requests of one page each. Requires: keys < 2^32 - 16.
-PreparedTrace prepareUnit(const std::vector<Key>& keys, uint64_t page_bytes = 4096);
+// Requests of one page of 4 KiB each. Requires: keys < 2^32 - 16.
+PreparedTrace prepareUnit(const std::vector<Key>& keys);
 
 // The position of the next request of the same key, for each request; kNever if there is none.
 constexpr uint32_t kNever = UINT32_MAX;

@@ -241,7 +241,9 @@ TEST(TexturePlan, causesOfABytesMovedAddUp) {
       moved += load.moved;
       needed += load.needed;
       EXPECT_LE(load.needed + load.empty + load.extended, load.moved);
-      EXPECT_EQ(load.rounding(), static_cast<uint64_t>(page.roundingBytes(chunk.size_vox)));
+      EXPECT_EQ(load.rounding(),
+                static_cast<uint64_t>(page.pagesOf(chunk.size_vox) * page.pageBytes() -
+                                      volume(chunk.size_vox) * page.bytes_per_voxel));
       if (algorithm != Algorithm::kMerged) {
         EXPECT_EQ(load.extended, 0U);
       }

@@ -26,7 +26,7 @@ void refusePipe(const std::string& name) {
         name);
 }
 
-std::vector<PolicyKind> policiesOf(const SimulateArguments& arguments) {
+std::span<const PolicyKind> policiesOf(const SimulateArguments& arguments) {
   return arguments.policies.empty() ? allPolicies() : arguments.policies;
 }
 

@@ -73,7 +73,6 @@ TEST(Prefetch, nextTimeStepNeedsRoomForAWholeFrame) {
   const PrefetchResult tight = simulatePrefetch(trace, config);
   EXPECT_EQ(tight.used, 0u);
   EXPECT_EQ(tight.prefetched, 2u * 40);
-  EXPECT_EQ(tight.evicted_unused, tight.prefetched);
   EXPECT_EQ(tight.accuracy(), 0);
 }
 
@@ -94,11 +93,6 @@ TEST(Prefetch, pollutionCountsWhatWouldHaveStayed) {
   EXPECT_EQ(r.prefetched, 2u);  // 30 after 0, 40 after 30 (evicts 0)
   EXPECT_EQ(r.polluted, 1u);    // 0, which evicts 30
   EXPECT_EQ(r.used, 2u);
-}
-
-TEST(Prefetch, namesAreUnderstood) {
-  EXPECT_EQ(parsePrefetchModel("last-order"), PrefetchModel::kLastOrder);
-  EXPECT_EQ(parsePrefetchModel("oracle"), std::nullopt);
 }
 
 }  // namespace

@@ -34,7 +34,7 @@ TEST(PreparedTrace, knowsFramesAndIds) {
   EXPECT_THAT(prepared.ids, testing::ElementsAre(9, 5));
   EXPECT_EQ(prepared.frame_begins, (std::vector<uint32_t>{0, 2}));
   EXPECT_THAT(prepared.visits, testing::ElementsAre(0, 0, 1, 2));
-  const PreparedTrace pages = prepare(trace, Granularity::kPages);
+  const PreparedTrace pages = splitIntoPages(prepared);
   EXPECT_THAT(pages.ids, testing::ElementsAre(9, 5, 5));
   EXPECT_EQ(pages.frame_begins, (std::vector<uint32_t>{0, 3}));
   trace.carries_clusters = false;
