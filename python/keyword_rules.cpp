@@ -14,7 +14,6 @@ std::string valueOf(std::string_view word) {
   return word == "off" ? "False" : fmt::format("'{}'", word);
 }
 
-// The keyword of an option, or of a flag with the value that it stands for: "shade=False".
 std::string keywordIn(std::string_view option) {
   for (const OptionEntry& entry : optionTable())
     for (size_t i = 0; i < entry.kind.flags.size(); ++i)
@@ -24,6 +23,17 @@ std::string keywordIn(std::string_view option) {
 }
 
 }  // namespace
+
+std::string inKeywords(std::string_view text) {
+  return renamed(std::string(text), keywordIn);
+}
+
+void warn(const std::vector<std::string>& lines) {
+  constexpr int kCallerOfThePackage = 2;
+  for (const std::string& line : lines)
+    if (PyErr_WarnEx(PyExc_UserWarning, inKeywords(line).c_str(), kCallerOfThePackage) != 0)
+      throw py::error_already_set();
+}
 
 void requirePairs(const py::kwargs& keywords) {
   const auto given = [&](const std::string& keyword) {
@@ -44,7 +54,7 @@ void requirePairs(const py::kwargs& keywords) {
 }
 
 void requireNoConflict(const ViewState& state) {
-  if (const auto conflict = conflictIn(state)) throw py::type_error(renamed(*conflict, keywordIn));
+  if (const auto conflict = conflictIn(state)) throw py::type_error(inKeywords(*conflict));
 }
 
 }  // namespace sluice::python

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "src/options/view_state.h"
 
@@ -23,6 +24,14 @@ inline std::string keywordOf(std::string_view option) {
 inline std::string keywordOf(const auto& entry) {
   return keywordOf(entry.option.empty() ? entry.key : entry.option);
 }
+
+// The text with keywords for the options that it names, a flag with the value that it stands for:
+// "shade=False".
+std::string inKeywords(std::string_view text);
+
+// Gives each line to Python's warnings, with keywords for the options that it names. Throws what
+// their filter makes of them. Requires: the interpreter's lock is held.
+void warn(const std::vector<std::string>& lines);
 
 // Throws TypeError for two keywords that exclude each other, or one without another that it needs.
 void requirePairs(const py::kwargs& keywords);

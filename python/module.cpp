@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "python/arrays.h"
+#include "python/keyword_rules.h"
 #include "python/keywords.h"
 #include "python/picture_options.h"
 #include "python/renderer_handle.h"
@@ -136,12 +137,8 @@ py::tuple histogramOf(const VolumeHandle& handle, int bins) {
 }
 
 // A message of the library with keywords for the options that it names.
-std::string inKeywords(const Error& error) {
-  std::string line = renamed(lineInOptions(error), [](std::string_view option) {
-    std::string keyword(option.substr(2));
-    std::ranges::replace(keyword, '-', '_');
-    return keyword;
-  });
+std::string messageOf(const Error& error) {
+  std::string line = inKeywords(lineInOptions(error));
   // These fields are keywords of Renderer().
   constexpr std::string_view kPipeline = "pipeline.";
   return line.starts_with(kPipeline) ? line.substr(kPipeline.size()) : line;
@@ -169,7 +166,7 @@ void addErrors(py::module_& module) {
     try {
       std::rethrow_exception(std::move(thrown));
     } catch (const Error& error) {
-      const py::object raised = type(inKeywords(error));
+      const py::object raised = type(messageOf(error));
       raised.attr("kind") = nameOf(error.kind());
       PyErr_SetObject(type.ptr(), raised.ptr());
     }

@@ -99,30 +99,34 @@ std::vector<OptionReals> listsOf(const auto& entry, const std::string& keyword,
   return lists;
 }
 
-// Values of surfaces, each a number, (value, opacity) or (value, opacity, colour), or a text of the
-// command line.
+// A number, a text of the command line, or a tuple of these as the command line has them.
+std::string surfaceOf(const std::string& keyword, const py::handle& item) {
+  if (py::isinstance<py::str>(item)) return item.cast<std::string>();
+  if (!py::isinstance<py::tuple>(item))
+    return fmt::format("{}",
+                       taken<double>(keyword, "values, or (value, opacity, colour) each", item));
+  std::string text;
+  for (const py::handle& part : item)
+    text += (text.empty() ? "" : ":") + py::str(part).cast<std::string>();
+  return text;
+}
+
+// Surfaces: one or a list of them, a dict from values to opacities or (opacity, colour), or a text
+// of the command line.
 std::vector<std::string> surfacesOf(const std::string& keyword, const py::handle& value) {
-  constexpr const char* kExpected = "values, or (value, opacity, colour) each";
+  std::vector<std::string> texts;
   if (py::isinstance<py::str>(value)) {
-    std::vector<std::string> texts;
     std::istringstream whole(value.cast<std::string>());
     for (std::string text; std::getline(whole, text, ',');) texts.push_back(text);
-    return texts;
-  }
-  if (py::isinstance<py::float_>(value) || py::isinstance<py::int_>(value))
-    return {fmt::format("{}", value.cast<double>())};
-  std::vector<std::string> texts;
-  for (const py::handle& item : taken<py::iterable>(keyword, kExpected, value)) {
-    if (!py::isinstance<py::tuple>(item)) {
-      texts.push_back(py::isinstance<py::str>(item)
-                          ? item.cast<std::string>()
-                          : fmt::format("{}", taken<double>(keyword, kExpected, item)));
-      continue;
-    }
-    std::string text;
-    for (const py::handle& part : item)
-      text += (text.empty() ? "" : ":") + py::str(part).cast<std::string>();
-    texts.push_back(text);
+  } else if (py::isinstance<py::float_>(value) || py::isinstance<py::int_>(value)) {
+    texts.push_back(surfaceOf(keyword, value));
+  } else if (py::isinstance<py::dict>(value)) {
+    for (const auto& [level, look] : py::reinterpret_borrow<py::dict>(value))
+      texts.push_back(surfaceOf(keyword, level) + ":" + surfaceOf(keyword, look));
+  } else {
+    for (const py::handle& item :
+         taken<py::iterable>(keyword, "values, or (value, opacity, colour) each", value))
+      texts.push_back(surfaceOf(keyword, item));
   }
   return texts;
 }
@@ -244,7 +248,7 @@ std::string typeOf(const auto& entry) {
     case OptionForm::kLabels:
       return "Mapping[int | str, str] | Sequence[str] | str";
     case OptionForm::kSurfaces:
-      return "float | str | Sequence[float | str | tuple[Any, ...]]";
+      return "float | str | Mapping[float, Any] | Sequence[float | str | tuple[Any, ...]]";
     case OptionForm::kPoints:
       return "Mapping[float, float] | Sequence[Sequence[float]]";
     case OptionForm::kPlanes:

@@ -124,10 +124,10 @@ py::object RendererHandle::render(const VolumeHandle& volume, const py::object& 
                                   const py::kwargs& keywords) {
   const AskedPicture asked = askedPicture(keywords, volume.volume.get().info());
   Image image =
-      withLook(asked.look, progress,
-               [&](Renderer& renderer, const ProgressFunction& told, const std::stop_token& stop) {
-                 return renderer.draw(asked.picture, told, stop);
-               });
+      drawn(asked.look, progress,
+            [&](Renderer& renderer, const ProgressFunction& told, const std::stop_token& stop) {
+              return renderer.draw(asked.picture, told, stop);
+            });
   std::vector<uint8_t> bytes = [&] {
     const py::gil_scoped_release unlocked;
     return image.toRgba8(asked.background);
@@ -140,11 +140,11 @@ py::object RendererHandle::render(const VolumeHandle& volume, const py::object& 
 void RendererHandle::save(const VolumeHandle& volume, const std::string& path,
                           const py::object& progress, const py::kwargs& keywords) {
   const AskedPicture asked = askedPicture(keywords, volume.volume.get().info());
-  withLook(asked.look, progress,
-           [&](Renderer& renderer, const ProgressFunction& told, const std::stop_token& stop) {
-             renderer.drawToFile(path, asked.picture, asked.background, told, stop);
-             return true;
-           });
+  drawn(asked.look, progress,
+        [&](Renderer& renderer, const ProgressFunction& told, const std::stop_token& stop) {
+          renderer.drawToFile(path, asked.picture, asked.background, told, stop);
+          return true;
+        });
 }
 
 py::object RendererHandle::probe(const VolumeHandle& volume, double right, double down,

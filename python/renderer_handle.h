@@ -7,7 +7,9 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
+#include "python/keyword_rules.h"
 #include "python/volume_handle.h"
 #include "src/base/threads/mutex.h"
 
@@ -36,19 +38,40 @@ class RendererHandle {
   void recordTo(const std::string& path) { renderer_.get().recordTo(path); }
 
  private:
-  // Calls with the renderer, once it has this look, a ProgressFunction and a stop token.
+  // Calls with the renderer, once it has this look, a ProgressFunction and a stop token. Then the
+  // look's warnings are Python's.
   template <class Call>
   auto withLook(const LookOptions& look, const py::object& progress, const Call& call) {
     const ProgressFunction told = progressFunction(progress);
     Renderer& renderer = renderer_.get();
-    return run([&](const std::stop_token& stop) {
+    std::vector<std::string> warnings;
+    auto result = run([&](const std::stop_token& stop) {
       const MutexLock lock(mutex_);
       if (look != look_) {
         renderer.setLook(look);
         look_ = look;
       }
-      return call(renderer, told, stop);
+      auto drawn = call(renderer, told, stop);
+      warnings = renderer.lookWarnings();
+      return drawn;
     });
+    warn(warnings);
+    return result;
+  }
+
+  // The same for a picture that is drawn; one that shows nothing has a warning that says why.
+  template <class Call>
+  auto drawn(const LookOptions& look, const py::object& progress, const Call& call) {
+    std::string why_empty;
+    auto result = withLook(
+        look, progress,
+        [&](Renderer& renderer, const ProgressFunction& told, const std::stop_token& stop) {
+          auto picture = call(renderer, told, stop);
+          why_empty = renderer.report().why_empty;
+          return picture;
+        });
+    if (!why_empty.empty()) warn({"the picture shows nothing: " + why_empty});
+    return result;
   }
 
   Held<Renderer> renderer_;

@@ -41,6 +41,7 @@ class Pictures(unittest.TestCase):
             (dict(size=64, iso=[100, (180, 0.4, 'ff8800')], light=(60, 10), ambient=0.2),
              ['--size', '64', '--iso', '100,180:0.4:ff8800', '--light', '60,10', '--ambient', '0.2']),
             (dict(size=64, iso='100:0.5', threshold=40), ['--size', '64', '--iso', '100:0.5', '--threshold', '40']),
+            (dict(size=64, iso={100: 0.5, 180: (0.4, 'ff8800')}), ['--size', '64', '--iso', '100:0.5,180:0.4:ff8800']),
             (dict(size=64, label={'all': ':0.1', 120: 'red:1'}),
              ['--size', '64', '--label', 'all=:0.1', '--label', '120=red:1'])]:
             with self.subTest(words):

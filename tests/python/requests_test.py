@@ -5,6 +5,7 @@ import pathlib
 import tempfile
 import unittest
 import unittest.mock
+import warnings
 
 import numpy
 
@@ -98,6 +99,21 @@ class Requests(unittest.TestCase):
                 (dict(grid=4), TypeError, '^grid: '), (dict(opens_soon='x'), TypeError, '^opens_soon: ')]:
             with self.subTest(options), self.assertRaisesRegex(error, words):
                 sluice.open('synth:cube,dims=20x16x12', **options)
+
+    def test_that_are_drawn_all_the_same_have_warnings(self):
+        volume = sluice.from_array(ball())
+        for options, words in [(dict(threshold=300), '^threshold 300: nothing shows, the values are'),
+                               (dict(threshold=300), '^the picture shows nothing: '),
+                               (dict(labels=True, label={222: 'red'}), '^label 222=red: no voxel has this label')]:
+            with self.subTest(words), self.assertWarnsRegex(UserWarning, words):
+                volume.render(size=16, **options)
+        with self.assertWarnsRegex(UserWarning, 'threshold 300'):
+            volume.plan(threshold=300)
+        with warnings.catch_warnings():
+            warnings.simplefilter('error')
+            volume.render(size=16, threshold=30)
+            with self.assertRaisesRegex(UserWarning, 'threshold 300'):
+                volume.render(size=16, threshold=300)
 
     def test_that_fail_say_what_has_to_change_in_words_of_python(self):
         volume = sluice.from_array(ball())
