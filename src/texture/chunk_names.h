@@ -16,10 +16,13 @@ namespace sluice {
 
 class ChunkNames {
  public:
+  // The first name that is given: 0, or the count() of names that a trace has already.
+  explicit ChunkNames(int64_t first = 0) : count_(first) {}
+
   // The names of plan.chunks, in that order. Equal recipes have equal names over all plans of one
   // layout and page geometry.
   ChunkNameList namesOf(const TexturePlan& plan);
-  // Names run from 0 up to this; none is given twice.
+  // Names run from the first one up to this; none is given twice.
   int64_t count() const { return count_; }
   // Recipes whose names are known. forgetUnused() drops those whose name `is_used` denies: should
   // one come again it gets a new name.
@@ -35,7 +38,7 @@ class ChunkNames {
     size_t operator()(const Recipe& recipe) const;
   };
   std::unordered_map<Recipe, ChunkName, Hash> names_;
-  int64_t count_ = 0;
+  int64_t count_;
 };
 
 }  // namespace sluice

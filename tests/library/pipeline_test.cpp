@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 
+#include "cache/trace/trace.h"
 #include "src/library/option_fields.h"
 #include "tests/library/library_support.h"
 
@@ -78,6 +79,48 @@ TEST(Pipeline, waysHaveThePictureAndTheRequestsOfTheProgram) {
     traces.insert(trace);
   }
   EXPECT_GE(traces.size(), 6U) << "the options change nothing";
+}
+
+// Light that looks around shares out the memory anew, and of two volumes it ends their blending.
+TEST(Pipeline, aTraceGoesOnWhenTheMemoryIsSharedOutAnew) {
+  const TempFolder folder;
+  for (const VolumeOptions& opened :
+       {smallBlocks(), VolumeOptions{.over = "synth:parts,dims=70x64x60"}}) {
+    const Volume volume(kVolume, opened);
+    PictureOptions shadowed = kPicture;
+    shadowed.lighting.shadows = 0.5;
+    std::vector<uint64_t> requests;
+    {
+      Renderer renderer(volume, {.threshold = 90}, {.device = RendererOptions::Device::kCpu});
+      renderer.recordTo((folder / "t.txt").string());
+      for (const PictureOptions& picture : {kPicture, shadowed, shadowed}) {
+        renderer.draw(picture);
+        requests.push_back(renderer.report().texture_cache.requests);
+      }
+    }
+    ASSERT_GT(requests[0], 0U);
+    ASSERT_GT(requests[1], 0U);
+    uint64_t recorded = 0;
+    std::map<uint32_t, std::set<uint64_t>> chunks;  // of each frame
+    const std::vector<std::string> names = opened.over.empty()
+                                               ? std::vector<std::string>{"t.txt"}
+                                               : std::vector<std::string>{"t_0.txt", "t_over.txt"};
+    for (const std::string& name : names) {
+      const Trace trace = readAll(*openTrace(folder / name));
+      recorded += trace.records.size();
+      chunks.clear();
+      for (const TraceRecord& record : trace.records) chunks[record.frame].insert(record.chunk);
+      ASSERT_EQ(chunks.size(), 3U) << name;
+      EXPECT_EQ(chunks.rbegin()->first, 2U);
+      // Nothing is resident after the memory was shared out, so the simulator must miss too.
+      std::set<uint64_t> again = chunks[0];
+      again.merge(std::set<uint64_t>(chunks[1]));
+      EXPECT_EQ(again.size(), chunks[0].size() + chunks[1].size());
+      EXPECT_EQ(chunks[2], chunks[1]);
+    }
+    // The counters of the first session end with it.
+    EXPECT_EQ(recorded, requests[0] + requests[2]);
+  }
 }
 
 // A ray that ends early leaves out what is behind it.

@@ -63,6 +63,7 @@ Residency::Residency(const TimeStep& step, Device& device, const ResidencyOption
       cache_(static_cast<uint64_t>(options.page.pages),
              static_cast<uint64_t>(options.page.pageBytes()),
              makePolicy(options.policy, static_cast<uint64_t>(options.page.pages), options.seed)),
+      names_(options.first_name),
       first_id_(device.takeIdRange()) {
   SLUICE_CHECK_EQ(options.page.bytes_per_voxel,
                   static_cast<int64_t>(bytesPerVoxel(blocks_.type())));

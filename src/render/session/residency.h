@@ -31,6 +31,7 @@ struct ResidencyOptions {
   Partition partition = Partition::kBlocks;  // kBoxes: a share of the memory is for growing boxes
   int threads = 1;            // threads of the program; there are at least as many readers
   uint64_t beside_bytes = 0;  // part of memory_bytes that others hold: min-max arrays
+  int64_t first_name = 0;     // name of the first chunk
 };
 
 // The needs of a residency that serves all steps like this one, see shareMemory().
@@ -55,6 +56,7 @@ class Residency {
   // Whether level 4 holds the chunk.
   bool isResident(ChunkName name) const { return cache_.contains(modelId(name)); }
   ChunkNames& names() { return names_; }
+  const ChunkNames& names() const { return names_; }
   // Voxels for growing boxes, which level 2 counts and does not keep.
   BoxStore::ReadFor readPast() {
     return [this](int64_t time, const RegionRead& region, const ReadPurpose& purpose) {

@@ -36,11 +36,13 @@ Session::Session(const TimeStep& step, Device& device, WorkerPool& pool,
       learnt_(step.ranges->unknown.empty()
                   ? nullptr
                   : std::make_unique<LearntRanges>(step.time, step.ranges)),
-      residency_(step, device,
-                 {options.page, options.memory_bytes, options.policy, options.seed,
-                  options.partition, pool.threads(), options.beside_bytes}),
+      residency_(
+          step, device,
+          {options.page, options.memory_bytes, options.policy, options.seed, options.partition,
+           pool.threads(), options.beside_bytes, options.trace_from.chunk}),
       planner_(options.page, pool, residency_.names()),
-      step_(step) {
+      step_(step),
+      frame_number_(options.trace_from.frame) {
   SLUICE_CHECK(!options.lit || step.ranges->layout.ghost >= 1);
   expectBlocksOf(step);
   // These parts are declared before residency_, so that they outlive its readers.

@@ -25,6 +25,11 @@
 
 namespace sluice {
 
+// The numbers that come next in a trace.
+struct TraceNumbers {
+  int64_t frame = 0, chunk = 0;
+};
+
 struct SessionOptions {
   PageGeometry page;          // bytes_per_voxel of the volume's device form
   uint64_t memory_bytes = 0;  // budget of levels 2 and 3, and of level 4 if textures are in memory
@@ -36,6 +41,9 @@ struct SessionOptions {
   Partition partition = Partition::kBlocks;
   IndexPlaces index_places;
   uint64_t beside_bytes = 0;  // part of memory_bytes that the caller holds: min-max arrays
+  // Where a trace goes on that an earlier session recorded. Chunks get new names, since nothing is
+  // resident any more.
+  TraceNumbers trace_from;
 };
 
 class Session {
@@ -56,6 +64,8 @@ class Session {
   // Writes each request of the texture cache there too from now on; null: no longer. It must
   // outlive the frames drawn.
   void recordTo(TraceWriter* trace) { trace_ = trace; }
+  // For the session that takes this one's place.
+  TraceNumbers nextInTrace() const { return {frame_number_, residency_.names().count()}; }
   // The step that the frame after the next one will show. Its data is read while the last part of
   // the next frame is drawn, as far as the buffers have room. Applies to the next frame alone.
   void expectAfterwards(const TimeStep& step) {
@@ -209,7 +219,7 @@ class Session {
   VisibleBlocksPtr drawn_;      // blocks of the last picture, if that was of a cut
   double bytes_per_s_ = 150e6;  // expected of reading, decoding and copying blocks
   TraceWriter* trace_ = nullptr;
-  int64_t frame_number_ = 0;
+  int64_t frame_number_;
   FrameLessons lessons_;
 };
 

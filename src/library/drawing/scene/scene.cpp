@@ -76,7 +76,10 @@ void Scene::shareAmong(Team& team, std::shared_ptr<const LentBoxes> lent, Layer&
 
 void Scene::openSession(const FrameOptions& frame, const MoreBytes& more_bytes) {
   // All memory is free before it is shared out anew.
-  for (Layer* layer : layers()) layer->session.reset();
+  for (Layer* layer : layers()) {
+    if (layer->session != nullptr) layer->next_in_trace = layer->session->nextInTrace();
+    layer->session.reset();
+  }
   try {
     const std::vector<BesideShare> shares = sharesOf(frame, more_bytes, memory_bytes);
     for (size_t i = 0; i < shares.size(); ++i) {
@@ -112,7 +115,9 @@ void Scene::openSession(Layer& layer, Partition partition) {
                                           memoryBudget(layer.machine));
   options.page = layer.page;
   options.beside_bytes = layer.beside_bytes;
+  options.trace_from = layer.next_in_trace;
   layer.session = std::make_unique<Session>(of.step(), *device, pool, options);
+  layer.session->recordTo(layer.trace.get());
   layer.session->setTransferFunction(layer.look.transfer);
   if (layer.share) layer.session->chooseBlocksBy(layer.share->chooserFrom(nullptr));
 }

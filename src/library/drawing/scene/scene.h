@@ -94,6 +94,7 @@ struct Layer {
   std::unique_ptr<RankShare> share;    // null: this process draws alone
   uint64_t uploaded_bytes = 0;         // to the device, for pictures of several layers
   std::unique_ptr<TraceWriter> trace;  // null: nothing is recorded
+  TraceNumbers next_in_trace;          // after the session that was opened before
   std::unique_ptr<Session> session;    // null after a comparison took its memory
 };
 
@@ -116,8 +117,8 @@ struct Scene : Layer {
   ~Scene();
 
   // Opens the session anew, so that the levels leave room for the min-max arrays, pictures or parts
-  // of them, a frame's plan and `more_bytes`. The contents of the earlier session are lost. Throws
-  // Error if the memory is too little.
+  // of them, a frame's plan and `more_bytes`. The contents of the earlier session are lost; a trace
+  // goes on. Throws Error if the memory is too little.
   void openSession(const FrameOptions& frame, const MoreBytes& more_bytes);
   // The look of frames like this one. Throws Error from a transfer function's file, or for layers
   // that cannot be blended; the looks are the same then. The caller opens the session anew before
