@@ -40,6 +40,7 @@ class Writer {
       News news = desk_.take();
       if (news.opened) opened = std::move(news.opened);
       if (news.look) ++looks;
+      for (std::string& line : news.notes) notes.push_back(std::move(line));
       for (SavedNews& each : news.saved) saved.push_back(std::move(each));
       for (std::string& line : news.failures) failures.push_back(std::move(line));
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
@@ -52,6 +53,14 @@ class Writer {
     failures.clear();
     EXPECT_TRUE(wait([&] { return !saved.empty() || !failures.empty(); }));
     return failures.empty() ? "saved " + saved.front().path : failures.front();
+  }
+  void openOther() {
+    ViewedVolume other;
+    other.paths = {"synth:shells,dims=16x16x16"};
+    desk_.open(other, std::nullopt);
+  }
+  bool waitForOther() {
+    return wait([&] { return opened->volume.paths.front().ends_with("16x16x16"); });
   }
   FilmWish film(const std::string& name, int64_t frames) const {
     FilmWish wish;
@@ -73,7 +82,7 @@ class Writer {
 
   std::unique_ptr<OpenedVolumeNews> opened;
   std::vector<SavedNews> saved;
-  std::vector<std::string> failures;
+  std::vector<std::string> failures, notes;
   int looks = 0;
 
  private:
@@ -293,6 +302,84 @@ TEST(DrawingSaves, whatMustNotBeWrittenIsNot) {
   empty.path.kind = ViewPath::Kind::kKeys;
   writer.desk().writeFrames(empty);
   EXPECT_THAT(writer.outcome(), HasSubstr("add a view first"));
+}
+
+TEST(DrawingSaves, picturesAreOfTheVolumeThatTheyWereAskedFor) {
+  const TempFolder folder;
+  Writer writer;
+  constexpr size_t kPictures = 12;
+  // The window takes no news meanwhile, so that all of them show the first volume there.
+  for (size_t i = 0; i < kPictures; ++i) {
+    if (i == 2) writer.openOther();
+    if (i > 3) std::this_thread::sleep_for(std::chrono::milliseconds(3));
+    writer.desk().savePicture((folder / fmt::format("{}.png", i)).string(), writer.wish());
+  }
+  ASSERT_TRUE(
+      writer.wait([&] { return writer.saved.size() + writer.failures.size() == kPictures; }));
+  ASSERT_TRUE(writer.waitForOther());
+  EXPECT_GE(writer.saved.size(), 2U);
+  for (const SavedNews& saved : writer.saved)
+    EXPECT_THAT(saved.command, HasSubstr("dims=24x20x16")) << saved.path;
+  for (const std::string& line : writer.failures)
+    EXPECT_THAT(line, HasSubstr(".png is not saved: another volume was opened first"));
+  EXPECT_EQ(filesIn(folder.path()), writer.saved.size());
+  writer.desk().savePicture((folder / "new.png").string(), writer.wish());
+  EXPECT_THAT(writer.outcome(), HasSubstr("new.png"));
+  EXPECT_THAT(writer.saved.front().command, HasSubstr("dims=16x16x16"));
+}
+
+TEST(DrawingSaves, aFilmThatAnotherVolumeEndsIsNamed) {
+  const TempFolder folder;
+  Writer writer;
+  const FilmWish film = writer.film((folder / "f_%04d.png").string(), 10'000);
+  writer.desk().writeFrames(film);
+  ASSERT_TRUE(writer.wait([&] { return writer.desk().status().frames_written >= 3; }));
+  writer.openOther();
+  ASSERT_TRUE(writer.wait([&] { return !writer.failures.empty(); }));
+  EXPECT_THAT(writer.failures.front(), HasSubstr("f_%04d.png: "));
+  EXPECT_THAT(writer.failures.front(),
+              HasSubstr(" of 10000 frames are written; another volume was opened"));
+}
+
+TEST(DrawingSaves, theEndNamesWhatIsNotWritten) {
+  const TempFolder folder;
+  Writer writer;
+  Wish large = writer.wish();
+  large.width = large.height = 4000;
+  for (const char* name : {"a.png", "b.png"})
+    writer.desk().savePicture((folder / name).string(), large);
+  writer.desk().saveText((folder / "no such" / "t.json").string(), "{}", FileKind::kView);
+  EXPECT_THAT(writer.desk().end(),
+              testing::ElementsAre(HasSubstr("no such"),
+                                   HasSubstr("a.png is not saved: the window ended first"),
+                                   HasSubstr("b.png is not saved: the window ended first")));
+}
+
+TEST(DrawingSaves, aTraceEndsWithItsVolumeAndALine) {
+  const TempFolder folder;
+  DrawingOptions options;
+  options.trace_file = (folder / "t.txt").string();
+  Writer writer(options);
+  const uint64_t number = writer.desk().wish(writer.wish());
+  ASSERT_TRUE(writer.wait([&] { return writer.desk().status().completed >= number; }));
+  EXPECT_FALSE(fs::exists(options.trace_file));
+  writer.openOther();
+  ASSERT_TRUE(writer.waitForOther());
+  EXPECT_THAT(writer.notes, testing::ElementsAre(HasSubstr("t.txt: the trace ends")));
+  EXPECT_TRUE(fs::exists(options.trace_file));
+  EXPECT_THAT(writer.desk().end(), IsEmpty());
+}
+
+TEST(DrawingSaves, aTraceThatCannotBeWrittenIsNamedAtTheEnd) {
+  const TempFolder folder;
+  DrawingOptions options;
+  fs::create_directory(folder / "gone");
+  options.trace_file = (folder / "gone" / "t.txt").string();
+  Writer writer(options);
+  const uint64_t number = writer.desk().wish(writer.wish());
+  ASSERT_TRUE(writer.wait([&] { return writer.desk().status().completed >= number; }));
+  fs::remove_all(folder / "gone");
+  EXPECT_THAT(writer.desk().end(), testing::ElementsAre(HasSubstr("t.txt")));
 }
 
 }  // namespace

@@ -79,6 +79,49 @@ TEST(JobQueue, answersAQuestionThatAWishInterrupted) {
   EXPECT_NE(taskOf<ReportJob>(queue.next()), nullptr);
 }
 
+TEST(JobQueue, picturesComeBeforeTheVolumeThatReplacesTheirs) {
+  JobQueue queue(0.06);
+  queue.noteOpened();
+  queue.noteSeen();
+  queue.save(SavePictureJob{"a.png", {}});
+  queue.open({});
+  const std::optional<Job> saving = queue.next();
+  ASSERT_NE(taskOf<SavePictureJob>(saving), nullptr);
+  EXPECT_TRUE(queue.isOpen(taskOf<SavePictureJob>(saving)->volume));
+  EXPECT_NE(taskOf<OpenJob>(queue.next()), nullptr);
+  queue.noteOpened();
+  queue.save(SavePictureJob{"b.png", {}});  // by a caller that does not know of it yet
+  EXPECT_FALSE(queue.isOpen(queue.takePicture()->volume));
+  queue.noteSeen();
+  queue.save(SavePictureJob{"c.png", {}});
+  EXPECT_TRUE(queue.isOpen(queue.takePicture()->volume));
+}
+
+TEST(JobQueue, namesTheFilesThatItsEndLeavesOut) {
+  JobQueue queue(0.06);
+  queue.noteOpened();
+  FilmWish film;
+  film.name = "f_%d.png";
+  film.path.turn_frames = 8;
+  queue.writeFrames(film);
+  queue.noteFrame(*taskOf<FrameJob>(queue.next()));
+  queue.save(SavePictureJob{"a.png", {}});
+  queue.save(SavePictureJob{"b.png", {}});
+  queue.save(SaveTextJob{"t.json", "text", {}});
+  EXPECT_NE(taskOf<SaveTextJob>(queue.next()), nullptr);
+  const std::optional<Job> saving = queue.next();
+  queue.save(SaveTextJob{"u.json", "text", {}});
+  queue.end();
+  EXPECT_TRUE(saving->stop.stop_requested());
+  queue.noteCancelled(*saving);
+  EXPECT_NE(taskOf<SaveTextJob>(queue.next()), nullptr) << "a small file is written";
+  EXPECT_FALSE(queue.next().has_value());
+  EXPECT_EQ(queue.unwritten(),
+            (std::vector<std::string>{"a.png is not saved: the window ended first",
+                                      "b.png is not saved: the window ended first",
+                                      "f_%d.png: 1 of 8 frames are written; the window ended"}));
+}
+
 // The window says so for as long as the failed wish is the newest.
 TEST(JobQueue, forgetsAFailureOfTheVolumeBefore) {
   JobQueue queue(0.06);

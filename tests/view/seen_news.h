@@ -50,6 +50,7 @@ struct Seen {
       if (news.probe) probe = news.probe;
       for (ShownSlice& slice : news.slices) slices.push_back(std::move(slice));
       for (SavedNews& each : news.saved) saved.push_back(std::move(each));
+      for (std::string& line : news.notes) notes.push_back(std::move(line));
       for (std::string& line : news.failures) failures.push_back(std::move(line));
       if (is_done) return true;
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
@@ -86,7 +87,7 @@ struct Seen {
   std::optional<ProbeNews> probe;
   std::vector<ShownSlice> slices;
   std::vector<SavedNews> saved;
-  std::vector<std::string> failures;
+  std::vector<std::string> failures, notes;
 };
 
 }  // namespace sluice

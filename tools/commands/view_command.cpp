@@ -109,7 +109,10 @@ int run(const ViewArguments& arguments, const CLI::App& app) {
 #if SLUICE_HAS_GL
   if (request.lends_software) prepareGlEnvironment();  // the window's driver reads it first
 #endif
-  request.end_desk = [&drawing] { drawing.reset(); };
+  request.end_desk = [&drawing] {
+    const std::unique_ptr<DrawingThread> ending = std::move(drawing);
+    return ending != nullptr ? ending->end() : std::vector<std::string>();
+  };
   for (const std::string_view name : colorMapNames()) request.color_maps.emplace_back(name);
   request.volume_endings = volumeEndings();
   if (app.count("--size") > 0) {
@@ -120,7 +123,7 @@ int run(const ViewArguments& arguments, const CLI::App& app) {
   if (!request.settings_file.empty()) request.settings = readSettings(request.settings_file);
   request.log_file = arguments.log_file;
   request.tell_news = [&drawing](std::function<void()> on_news) {
-    drawing->tellNews(std::move(on_news));
+    if (drawing != nullptr) drawing->tellNews(std::move(on_news));
   };
   request.is_asked_to_end = [stop = interruption()] { return stop.isStopRequested(); };
   request.say = [](const std::string& line) { say("{}\n", line); };

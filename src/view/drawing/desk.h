@@ -103,6 +103,7 @@ struct News {
   std::optional<ProbeNews> probe;
   std::vector<SavedNews> saved;
   std::vector<std::string> failures;  // one line each
+  std::vector<std::string> notes;     // such lines that are no failures
   std::vector<std::string> vanished;  // volumes that were asked for and are not there
 };
 
@@ -147,11 +148,14 @@ class Desk {
   virtual uint64_t wish(const Wish& wish) = 0;
   // A file of stateText(): the volume that it names is opened with it.
   virtual void loadState(const std::string& path) = 0;
-  // The wish as a picture, complete, PNG or EXR as its name ends; its news name the command.
+  // The wish as a picture, complete, PNG or EXR as its name ends; its news name the command. It is
+  // drawn on the volume of the news that were taken last: before another one is opened, or, if it
+  // is asked for too late, not at all, which is a failure in the news.
   virtual void savePicture(const std::string& path, const Wish& wish) = 0;
   // Writes the film frame by frame whenever nothing else is to be done, and replaces a film that is
-  // being written. A state with the path is written to the same folder (pathFileFor()), and the
-  // command of its news uses it. Frames already written stay if the film is cancelled or fails.
+  // being written. It is of the same volume as a picture would be, and ends if another is opened. A
+  // state with the path is written to the same folder (pathFileFor()), and the command of its news
+  // uses it. Frames already written stay if the film is cancelled or fails.
   virtual void writeFrames(const FilmWish& film) = 0;
   virtual void cancelFrames() = 0;
   // A small file. It may take the place of a file of this kind; nullopt: of any, for files of the

@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string_view>
 #include <utility>
 
+#include "src/base/field_names.h"
 #include "src/base/threads/clock.h"
 #include "src/options/option_rules.h"
 
@@ -33,6 +35,24 @@ std::vector<uint8_t> greys(const SliceValues& slice, std::array<double, 2> range
   return rgba;
 }
 
+// The window's names of the options that its check boxes stand for.
+constexpr std::array kBoxes = std::to_array<std::pair<std::string_view, std::string_view>>(
+    {{"--modulate", "\"by gradient\""},
+     {"--shadows", "\"shadows\""},
+     {"--occlusion-light", "\"occlusion\""}});
+
+// An error's line in the words of the window; options without a check box keep their names.
+std::string lineInWindow(const std::exception& error) {
+  std::string line = lineInOptions(error);
+  const auto isNamed = [&](const auto& box) { return line.find(box.first) != std::string::npos; };
+  if (std::ranges::none_of(kBoxes, isNamed)) return line;
+  return renamed(line, [](std::string_view option) {
+    const auto* box =
+        std::ranges::find(kBoxes, option, [](const auto& each) { return each.first; });
+    return std::string(box == kBoxes.end() ? option : box->second);
+  });
+}
+
 // Finds an answer and tells it, also if it cannot be found: the window waits for it.
 template <class Find, class Tell>
 void tellAnswer(const Find& find, const Tell& tell) {
@@ -50,7 +70,18 @@ void tellAnswer(const Find& find, const Tell& tell) {
 }  // namespace
 
 void DrawingJobs::run(const Job& job) {
-  std::visit([&](const auto& task) { run(task, job); }, job.task);
+  try {
+    std::visit([&](const auto& task) { run(task, job); }, job.task);
+  } catch (const Cancelled&) {
+    queue_.noteCancelled(job);
+  } catch (const std::exception& error) {
+    tellFailure(lineInWindow(error));
+    queue_.noteFailed(job);
+  }
+}
+
+void DrawingJobs::tellFailure(const std::string& line) {
+  news_.add([&](News& news) { news.failures.push_back(line); });
 }
 
 ProgressFunction DrawingJobs::progress() const {

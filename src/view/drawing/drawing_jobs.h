@@ -48,11 +48,10 @@ class DrawingJobs {
   DrawingJobs(const DrawingOptions& options, JobQueue& queue, NewsBox& news)
       : options_(options), queue_(queue), news_(news) {}
 
-  // Does the job, tells the queue what is done and adds the results to the news. Throws Error, and
-  // Cancelled when the job's stop asks for it.
+  // Does the job, tells the queue what is done and adds the results, or the failure, to the news.
   void run(const Job& job);
   // Lets go of the volume and the renderer.
-  void close() { opened_ = {}; }
+  void close();
   // Volumes that are opened from now on are drawn in it. Any thread.
   void lend(std::shared_ptr<const ScreenContext> screen);
 
@@ -71,8 +70,10 @@ class DrawingJobs {
       std::optional<std::array<double, 2>> range;  // the range shown last
     };
     std::array<Slice, 3> slices;
+    bool is_recorded = false;  // in DrawingOptions::trace_file
   };
 
+  // Each job throws Error, and Cancelled when its stop asks for it.
   void run(const OpenJob& task, const Job& job);
   void run(const PreviewJob& task, const Job& job);
   void run(const PictureJob& task, const Job& job);
@@ -85,6 +86,11 @@ class DrawingJobs {
   void run(const FrameJob& task, const Job& job);
 
   void openVolume(OpenJob task, const Job& job);
+  // Writes the pictures that wait for the volume that is open. Throws Cancelled.
+  void savePictures(const Job& job);
+  // Finishes the trace, if there is one; a failure is told in the news.
+  void endTrace();
+  void tellFailure(const std::string& line);
   // Shows the state on the volume that is open.
   void loadInto(StateFile file, const std::string& name, const Job& job);
   // Called before the first frame of a film.

@@ -73,6 +73,20 @@ void DrawingJobs::loadInto(StateFile file, const std::string& name, const Job& j
   });
 }
 
+void DrawingJobs::close() {
+  endTrace();
+  opened_ = {};
+}
+
+void DrawingJobs::endTrace() {
+  if (!std::exchange(opened_.is_recorded, false)) return;
+  try {
+    opened_.renderer->recordTo({});
+  } catch (const std::exception& error) {
+    tellFailure(error.what());
+  }
+}
+
 void DrawingJobs::openVolume(OpenJob task, const Job& job) {
   const bool is_first = !opened_.volume;
   Opened next;
@@ -107,15 +121,27 @@ void DrawingJobs::openVolume(OpenJob task, const Job& job) {
   next.look = next.shown_look = lookOf(state);
   // The levels of the volume before go first: both together may be more than the memory allows. Its
   // handle stays, so that useLook() can bring them back.
+  if (!is_first) savePictures(job);
+  if (opened_.is_recorded) {
+    endTrace();
+    news_.add([&](News& news) {
+      news.notes.push_back(options_.trace_file +
+                           ": the trace ends, because another volume takes the place of the first");
+    });
+  }
   opened_.renderer.reset();
   next.renderer = makeRenderer(*next.volume, next.look);
   state.view = next.renderer->placed(pictureOf(state, kWidth, kHeight), progress(), job.stop);
   if (task.path) placeKeys(*task.path, *next.renderer, progress(), job.stop);
-  if (is_first && !options_.trace_file.empty()) next.renderer->recordTo(options_.trace_file);
+  if (is_first && !options_.trace_file.empty()) {
+    next.renderer->recordTo(options_.trace_file);
+    next.is_recorded = true;
+  }
   news->device = next.renderer->deviceName();
   auto look = std::make_unique<ShownLook>(next.renderer->shownLook());
   opened_ = std::move(next);
-  queue_.noteOpened();
+  if (const auto film = queue_.noteOpened())
+    tellFailure(endedFilm(*film, "another volume was opened"));
   news_.add([&](News& all) {
     all.path = std::move(task.path);
     all.opened = std::move(news);

@@ -42,7 +42,17 @@ void DrawingJobs::run(const SaveTextJob& task, const Job&) {
   news_.add([&](News& news) { news.saved.push_back({task.path, {}}); });
 }
 
+void DrawingJobs::savePictures(const Job& job) {
+  while (std::optional<SavePictureJob> picture = queue_.takePicture()) {
+    run(Job{std::move(*picture), job.wish, job.stop});
+    // A picture that was stopped waits again, for whoever stopped it.
+    if (job.stop.stop_requested()) throw Cancelled();
+  }
+}
+
 void DrawingJobs::run(const SavePictureJob& task, const Job& job) {
+  if (!queue_.isOpen(task.volume))
+    failRequest("{} is not saved: another volume was opened first", task.path);
   const Wish& wish = task.wish;
   // The name that `sluice render` makes of it too.
   const std::string path = numberedName(task.path, wish.state.time, false).string();
@@ -77,6 +87,8 @@ void DrawingJobs::beginFilm(const FilmWish& film) {
 
 void DrawingJobs::run(const FrameJob& task, const Job& job) {
   const FilmWish& film = *task.wish;
+  if (!queue_.isOpen(task.volume))
+    failRequest("{} is not written: another volume was opened first", film.name);
   if (task.frame == 0 && task.stopped == 0) beginFilm(film);
   const ViewState state = stateAt(film.path, film.now, task.frame);
   useLook(state, false);

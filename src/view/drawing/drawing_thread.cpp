@@ -3,13 +3,8 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include <algorithm>
-#include <array>
 #include <string>
-#include <string_view>
 #include <utility>
-
-#include "src/base/field_names.h"
 
 namespace sluice {
 namespace {
@@ -23,24 +18,6 @@ void yieldToOthers() {
   setpriority(PRIO_PROCESS, self, getpriority(PRIO_PROCESS, self) + kNicer);
 }
 
-// The window's names of the options that its check boxes stand for.
-constexpr std::array kBoxes = std::to_array<std::pair<std::string_view, std::string_view>>(
-    {{"--modulate", "\"by gradient\""},
-     {"--shadows", "\"shadows\""},
-     {"--occlusion-light", "\"occlusion\""}});
-
-// An error's line in the words of the window; options without a check box keep their names.
-std::string lineInWindow(const std::exception& error) {
-  std::string line = lineInOptions(error);
-  const auto isNamed = [&](const auto& box) { return line.find(box.first) != std::string::npos; };
-  if (std::ranges::none_of(kBoxes, isNamed)) return line;
-  return renamed(line, [](std::string_view option) {
-    const auto* box =
-        std::ranges::find(kBoxes, option, [](const auto& each) { return each.first; });
-    return std::string(box == kBoxes.end() ? option : box->second);
-  });
-}
-
 }  // namespace
 
 DrawingThread::DrawingThread(const DrawingOptions& options)
@@ -48,11 +25,21 @@ DrawingThread::DrawingThread(const DrawingOptions& options)
       queue_(options.rest_s),
       news_(options.on_news),
       jobs_(options_, queue_, news_) {
-  worker_.submit([this] { run(); });
+  worker_->submit([this] { run(); });
 }
 
 DrawingThread::~DrawingThread() {
   queue_.end();
+}
+
+std::vector<std::string> DrawingThread::end() {
+  queue_.end();
+  worker_.reset();  // joins
+  News last = news_.take();
+  std::vector<std::string> lines = std::move(last.notes);
+  for (const std::vector<std::string>& more : {last.failures, queue_.unwritten()})
+    lines.insert(lines.end(), more.begin(), more.end());
+  return lines;
 }
 
 void DrawingThread::open(const ViewedVolume& volume, const std::optional<ViewState>& state) {
@@ -74,16 +61,7 @@ uint64_t DrawingThread::place(const ViewState& state, int width, int height) {
 
 void DrawingThread::run() {
   yieldToOthers();
-  while (const std::optional<Job> job = queue_.next()) {
-    try {
-      jobs_.run(*job);
-    } catch (const Cancelled&) {
-      queue_.noteCancelled(*job);
-    } catch (const std::exception& error) {
-      news_.add([&](News& news) { news.failures.push_back(lineInWindow(error)); });
-      queue_.noteFailed(*job);
-    }
-  }
+  while (const std::optional<Job> job = queue_.next()) jobs_.run(*job);
   jobs_.close();
 }
 

@@ -5,6 +5,11 @@
 // Callers only ever take locks that are never held while something is read or drawn.
 #pragma once
 
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
 #include "src/base/threads/worker_pool.h"
 #include "src/view/drawing/drawing_jobs.h"
 
@@ -33,7 +38,11 @@ class DrawingThread : public Desk {
   uint64_t place(const ViewState& state, int width, int height) override;
   uint64_t probe(double right, double down) override { return queue_.probe(right, down); }
   void wantReport(bool maps) override { queue_.wantReport(maps); }
-  News take() override { return news_.take(); }
+  News take() override {
+    News news = news_.take();
+    if (news.opened) queue_.noteSeen();
+    return news;
+  }
   DeskStatus status() const override { return queue_.status(); }
   DeskTimes times() const override { return queue_.times(); }
   // Volumes that are opened from now on are drawn in it, unless the CPU draws. It must outlive
@@ -42,6 +51,10 @@ class DrawingThread : public Desk {
   // Replaces DrawingOptions::on_news; empty: nobody is told. Returns after earlier calls of the old
   // function have returned.
   void tellNews(std::function<void()> on_news) { news_.tellTo(std::move(on_news)); }
+  // Stops the work under way, waits for it, and lets go of the volume. Returns what the last news
+  // have to say, and what was asked for and is not written, a line each. Nothing else is called
+  // afterwards.
+  std::vector<std::string> end();
 
  private:
   void run();
@@ -50,7 +63,7 @@ class DrawingThread : public Desk {
   JobQueue queue_;
   NewsBox news_;
   DrawingJobs jobs_;
-  WorkerPool worker_{1};  // last: joins before the rest goes
+  std::optional<WorkerPool> worker_{std::in_place, 1};  // last: joins before the rest goes
 };
 
 }  // namespace sluice

@@ -1,5 +1,7 @@
 #include "src/view/drawing/job_queue.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 
@@ -39,6 +41,11 @@ T takeFirst(std::deque<T>& queue) {
 
 }  // namespace
 
+std::string endedFilm(const FrameJob& film, const std::string& why) {
+  return fmt::format("{}: {} of {} frames are written; {}", film.wish->name, film.frame,
+                     frameCount(film.wish->path), why);
+}
+
 void JobQueue::open(OpenJob job) {
   const MutexLock lock(mutex_);
   requests_.open = std::move(job);
@@ -62,6 +69,7 @@ uint64_t JobQueue::wish(const Wish& wish) {
 
 void JobQueue::save(SavePictureJob job) {
   const MutexLock lock(mutex_);
+  job.volume = requests_.seen;
   requests_.pictures.push_back(std::move(job));
   changed_.notifyAll();
 }
@@ -75,7 +83,9 @@ void JobQueue::save(SaveTextJob job) {
 void JobQueue::writeFrames(const FilmWish& film) {
   const MutexLock lock(mutex_);
   if (status_.doing == Doing::kFrame) work_.stop.request_stop();
-  requests_.frame = FrameJob{++requests_.films, std::make_shared<const FilmWish>(film)};
+  requests_.frame = FrameJob{.film = ++requests_.films,
+                             .wish = std::make_shared<const FilmWish>(film),
+                             .volume = requests_.seen};
   status_.frames = frameCount(film.path);
   status_.frames_written = 0;
   changed_.notifyAll();
@@ -118,6 +128,31 @@ DeskStatus JobQueue::status() const {
 DeskTimes JobQueue::times() const {
   const MutexLock lock(mutex_);
   return times_;
+}
+
+void JobQueue::noteSeen() {
+  const MutexLock lock(mutex_);
+  requests_.seen = requests_.opened;
+}
+
+bool JobQueue::isOpen(uint64_t volume) const {
+  const MutexLock lock(mutex_);
+  return volume == requests_.opened;
+}
+
+std::optional<SavePictureJob> JobQueue::takePicture() {
+  const MutexLock lock(mutex_);
+  if (requests_.pictures.empty()) return std::nullopt;
+  return takeFirst(requests_.pictures);
+}
+
+std::vector<std::string> JobQueue::unwritten() const {
+  const MutexLock lock(mutex_);
+  std::vector<std::string> lines;
+  for (const SavePictureJob& picture : requests_.pictures)
+    lines.push_back(picture.path + " is not saved: the window ended first");
+  if (requests_.frame) lines.push_back(endedFilm(*requests_.frame, "the window ended"));
+  return lines;
 }
 
 void JobQueue::end() {
@@ -167,6 +202,8 @@ JobQueue::Clock::time_point JobQueue::restsAt() const {
 std::optional<Job> JobQueue::choose() {
   Requests& asked = requests_;
   const auto job = [wish = asked.wish](auto task) { return Job{std::move(task), wish, {}}; };
+  // Pictures are of the volume that they were asked for, which is let go when the next one is open.
+  if (asked.open && work_.is_open && !asked.pictures.empty()) return job(takeFirst(asked.pictures));
   if (asked.open) return job(*std::exchange(asked.open, std::nullopt));
   if (!asked.texts.empty()) return job(takeFirst(asked.texts));
   // All other jobs need a volume.
@@ -215,9 +252,10 @@ void JobQueue::noteProgress(double share, bool is_indexing) {
   status_.is_indexing = is_indexing;
 }
 
-void JobQueue::noteOpened() {
+std::optional<FrameJob> JobQueue::noteOpened() {
   const MutexLock lock(mutex_);
   work_.is_open = true;
+  ++requests_.opened;
   // Wishes for the volume before do not count for this one.
   served_ = {.previewed = status_.wished, .sliced = status_.wished, .unanswered = {}};
   status_.completed = status_.wished;
@@ -226,7 +264,9 @@ void JobQueue::noteOpened() {
   requests_.wish.reset();
   requests_.probe.reset();
   requests_.place.reset();
+  std::optional<FrameJob> film = std::move(requests_.frame);
   endFilm();
+  return film;
 }
 
 void JobQueue::notePicture(const NumberedWish& wish, bool is_complete) {
@@ -297,6 +337,8 @@ void JobQueue::noteCancelled(const Job& job) {
   ++times_.cancelled;
   const auto* frame = std::get_if<FrameJob>(&job.task);
   if (frame != nullptr && isFilm(frame->film)) ++requests_.frame->stopped;
+  if (const auto* picture = std::get_if<SavePictureJob>(&job.task))
+    requests_.pictures.push_front(*picture);
 }
 
 }  // namespace sluice

@@ -14,6 +14,7 @@
 #include <string>
 #include <utility>
 #include <variant>
+#include <vector>
 
 #include "src/base/threads/mutex.h"
 #include "src/view/drawing/desk.h"
@@ -50,6 +51,7 @@ struct ReportJob {
 struct SavePictureJob {
   std::string path;
   Wish wish;
+  uint64_t volume = 0;  // see JobQueue::isOpen()
 };
 struct SaveTextJob {
   std::string path, text;
@@ -59,8 +61,12 @@ struct FrameJob {
   uint64_t film = 0;  // number of the film
   std::shared_ptr<const FilmWish> wish;
   int64_t frame = 0;
-  int stopped = 0;  // times in a row that it was given up for something more urgent
+  int stopped = 0;      // times in a row that it was given up for something more urgent
+  uint64_t volume = 0;  // see JobQueue::isOpen()
 };
+
+// A line for people about a film that ends before its last frame. `film`: its next frame.
+std::string endedFilm(const FrameJob& film, const std::string& why);
 
 struct Job {
   // The tasks in the order of kDoing in the source.
@@ -88,15 +94,25 @@ class JobQueue {
   void wantReport(bool maps);
   DeskStatus status() const;
   DeskTimes times() const;
+  // The caller has seen the news of the volume that is open: from now on, it asks for this one.
+  void noteSeen();
   // Stops the job under way; next() gives the small files that are not written yet and then ends.
   void end();
+  // After the end: the pictures and the film that were asked for and are not written, a line each.
+  std::vector<std::string> unwritten() const;
 
   // Waits for something to do; nullopt: the end. The job that it returned before counts as done.
   std::optional<Job> next();
   // Progress of the job under way.
   void noteProgress(double share, bool is_indexing);
-  // Another volume is open: wishes, questions and the film of the one before are dropped.
-  void noteOpened();
+  // Another volume is open: wishes and questions about the one before are dropped. Returns its film
+  // if one was being written, which ends, too.
+  std::optional<FrameJob> noteOpened();
+  // Whether this is the number of the open volume. Pictures and films have the number of the volume
+  // that their caller had seen, which may be the one before.
+  bool isOpen(uint64_t volume) const;
+  // The first picture that waits to be written; nullopt: none does.
+  std::optional<SavePictureJob> takePicture();
   void notePicture(const NumberedWish& wish, bool is_complete);
   void noteSlices(uint64_t wish);
   // The view is placed, or cannot be.
@@ -108,6 +124,7 @@ class JobQueue {
   // A wish that cannot be drawn is as good as served, so that it is not tried for ever; a film
   // ends.
   void noteFailed(const Job& job);
+  // A picture that was to be written waits again.
   void noteCancelled(const Job& job);
 
  private:
@@ -124,6 +141,7 @@ class JobQueue {
     std::optional<ReportJob> report;
     std::shared_ptr<const NumberedWish> wish;
     uint64_t films = 0, probes = 0, places = 0;  // numbers that were given
+    uint64_t opened = 0, seen = 0;               // volumes, by this side and by the caller
   };
   // Numbers of the wishes that were served last.
   struct Served {

@@ -32,8 +32,9 @@ struct WindowRequest {
   // picture's pixels are wanted. Software contexts are lent only if `lends_software`.
   std::function<void(std::shared_ptr<const ScreenContext>)> lend;
   bool lends_software = false;
-  // The desk has ended when this returns: contexts that were lent may go.
-  std::function<void()> end_desk;
+  // The desk has ended when this returns: contexts that were lent may go. Returns lines for people,
+  // such as the files that it could not write any more. Further calls do nothing.
+  std::function<std::vector<std::string>()> end_desk;
   // Called now and then: whether the window is to close.
   std::function<bool()> is_asked_to_end;
   // Lines for people, on standard output.
@@ -47,7 +48,7 @@ inline constexpr const char* kRunWindow = "sluiceRunWindow";
 
 // See io/vdb/vdb_module.h. The number counts up with each change of this interface.
 inline constexpr const char* kWindowVersion = "sluiceWindowVersion";
-inline constexpr const char* kWindowModuleVersion = SLUICE_VERSION " window 2";
+inline constexpr const char* kWindowModuleVersion = SLUICE_VERSION " window 3";
 
 // Opens the module from the folder where the program was built or installed, and nowhere else.
 // Throws Error if it is not there, or of another version.

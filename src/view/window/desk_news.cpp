@@ -219,6 +219,7 @@ void takeNews(WindowState& window) {
   for (const SavedNews& saved : news.saved) takeSaved(window, saved);
   if (hasFailed(window)) takeFailedWish(window);
   for (const std::string& failure : news.failures) window.fail(failure);
+  for (const std::string& note : news.notes) window.say(note);
 }
 
 void updateFade(WindowState& window) {

@@ -90,7 +90,7 @@ class Window {
   }
   ~Window() {
     // The order matters: no news may wake a window that is gone, and the desk ends before the
-    // context that was lent to it.
+    // context that was lent to it. After run() it has ended already.
     request_.tell_news(nullptr);
     request_.end_desk();
     if (state_->log.isOn()) glDisable(GL_DEBUG_OUTPUT);  // it would report to the window
@@ -113,7 +113,13 @@ class Window {
     for (const std::string& line : dropFit(*state_, "the window ended before its view was fitted"))
       state_->say(line);
     keepSettings();
-    logTimes();
+    const DeskTimes desk = state_->desk.times();
+    // From here on there is no desk. Its thread has ended when the lines come.
+    for (const std::string& line : request_.end_desk()) {
+      state_->say(line);
+      state_->log.write({{"failure", line}});
+    }
+    logTimes(desk);
     if (const auto fault = state_->log.takeFault()) state_->say(*fault);
   }
 
@@ -286,7 +292,7 @@ class Window {
     window.desk.saveText(request_.settings_file, settingsText(window.settings), {});
   }
 
-  void logTimes() {
+  void logTimes(const DeskTimes& desk) {
     const auto percentile = [](std::vector<double> all, double share) {
       if (all.empty()) return 0.0;
       std::sort(all.begin(), all.end());
@@ -294,7 +300,6 @@ class Window {
                           static_cast<size_t>(share * static_cast<double>(all.size())))];
     };
     const LoopTimes& times = state_->loop.times;
-    const DeskTimes desk = state_->desk.times();
     state_->log.write({{"end", true},
                        {"turns", times.turns},
                        {"events", times.events},
