@@ -1,6 +1,9 @@
 #include "tests/support/wrong_states.h"
 
+#include <algorithm>
+#include <array>
 #include <nlohmann/json.hpp>
+#include <string_view>
 
 namespace sluice {
 namespace {
@@ -11,8 +14,7 @@ json right() {
   return json::parse(R"({
     "sluice": "view",
     "camera": {"projection": "perspective", "zoom": 1.5, "fov": 40, "eye": [0, 0, 90],
-               "target": [12, 10, 8], "up": [0, 1, 0], "view": "front", "azimuth": 10,
-               "elevation": 5, "fit": "volume"},
+               "target": [12, 10, 8], "up": [0, 1, 0]},
     "look": {"mode": "composite", "light": "off", "threshold": 40, "opacity": 0.5,
              "opacities": [[10, 0], [90, 0.5]], "labels": false, "range": [0, 100],
              "full_gradient": 0.1},
@@ -25,11 +27,17 @@ json right() {
   })");
 }
 
+constexpr std::array<std::string_view, 4> kOfNoPosition{"/camera/view", "/camera/azimuth",
+                                                        "/camera/elevation", "/camera/fit"};
+
 // Adds the right view with `value` in place of the field's own.
 class Table {
  public:
   void add(const std::string& field, const json& value) {
     json state = right();
+    // A camera has a position or these, which are wrong beside one, whatever their values.
+    if (std::ranges::find(kOfNoPosition, field) != kOfNoPosition.end())
+      for (const char* place : {"eye", "target"}) state["camera"].erase(place);
     state[json::json_pointer(field)] = value;
     states.push_back({field, state.dump()});
   }
@@ -75,6 +83,11 @@ std::vector<WrongState> wrongStates() {
   table.number("/camera/azimuth", {1e6, -1e300});
   table.number("/camera/elevation", {1e6, -1e300});
   for (const char* place : {"/camera/eye", "/camera/target"}) table.list(place, {nullptr, 1e300});
+  for (const std::string_view field : kOfNoPosition) {
+    json state = right();
+    state[json::json_pointer(std::string(field))] = 10;
+    table.states.push_back({std::string(field), state.dump()});
+  }
   table.add("/camera/eye", {12, 10, 8});  // on the target
   table.list("/camera/up", {"1", 1e300});
   table.addEach("/camera/up", {{0, 0, 0}, {-12, -10, 82}});  // none, along the view

@@ -174,12 +174,26 @@ TEST(StateFile, tablesOfChannelsBecomeAbsolute) {
 }
 
 TEST(StateFile, saysWhatIsWrongAndWhere) {
-  const auto said = [](const char* text) { return errorOf([&] { parseState(text, "a.json"); }); };
+  const auto said = [](const std::string& text) {
+    return errorOf([&] { parseState(text, "a.json"); });
+  };
   EXPECT_THAT(said("{}"), HasSubstr("a.json: expected a view's state"));
   EXPECT_THAT(said("[1]"), HasSubstr("a.json: expected a view's state"));
   EXPECT_THAT(said(R"({"sluice": "view", "colour": 1})"), HasSubstr("colour"));
   EXPECT_THAT(said(R"({"sluice": "view", "look": {"mode": "max"}})"), HasSubstr("composite"));
   EXPECT_THAT(said(R"({"sluice": "view", "crop": [1, 2]})"), HasSubstr("6 numbers"));
+  for (const char* other :
+       {R"("azimuth": 0)", R"("elevation": 9)", R"("view": "top")", R"("fit": "volume")"}) {
+    const std::string key = std::string(other).substr(1, std::string(other).find(':') - 2);
+    const std::string camera =
+        R"("camera": {"eye": [0, 0, 9], "target": [0, 0, 0], )" + std::string(other) + "}";
+    EXPECT_THAT(
+        said(R"({"sluice": "view", )" + camera + "}"),
+        HasSubstr(R"(expected no value beside "eye" and "target", which replace it, at /camera/)" +
+                  key));
+    EXPECT_THAT(said(R"({"sluice": "view", "path": {"kind": "keys", "keys": [{)" + camera + "}]}}"),
+                HasSubstr("at /path/keys/0/camera/" + key));
+  }
   EXPECT_THAT(said(R"({"sluice": "view", "camera": {"eye": [1, 2, 3]}})"),
               HasSubstr("eye and target together"));
   const auto ofVolume = [&](const std::string& fields) {

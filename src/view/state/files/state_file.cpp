@@ -238,6 +238,15 @@ void readPart(const JsonField& field, OptionPart part, ViewState& state) {
       if (const auto f = field.find(entry.key)) entry.set(state, valueOf(entry.kind, *f));
 }
 
+// Throws Error if a camera that has a position has other keys, too, that the position replaces. A
+// view is never saved with both.
+void requireNoAngles(const JsonField& camera) {
+  for (const auto& [option, other] : optionsApart())
+    if (option == "--eye")
+      if (const auto angle = camera.find(optionEntry(other).key))
+        angle->failExpected(R"(no value beside "eye" and "target", which replace it,)");
+}
+
 // `place`: of the object in the document, as a JSON pointer.
 ViewState stateOf(const JsonField& root, const std::string& where, const std::string& place) {
   ViewState state;
@@ -248,6 +257,7 @@ ViewState stateOf(const JsonField& root, const std::string& where, const std::st
     addKeys(keys, part);
     field->allowOnly(keys);
     readPart(*field, part, state);
+    if (part == OptionPart::kCamera && field->find("eye")) requireNoAngles(*field);
     // An eye alone gives no direction, and a target alone no distance.
     if (part == OptionPart::kCamera &&
         field->find("eye").has_value() != field->find("target").has_value())
