@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "src/base/error.h"
 #include "src/base/values/bytes.h"
@@ -14,9 +15,8 @@ namespace {
 
 // Blocks that may differ from a background, estimated by the volume of the boxes in which they lie:
 // a box smaller than a block counts for its part of one.
-double blocksAtMost(VolumeSource& source, int64_t time, const BlockLayout& layout) {
+double blocksAtMost(const BlockLayout& layout, const std::optional<Occupancy>& occupancy) {
   const auto all = static_cast<double>(layout.blockCount());
-  const auto occupancy = source.occupancy(time);
   if (!occupancy) return all;
   const auto cells = static_cast<double>(layout.cells());
   double blocks = 0;
@@ -39,11 +39,13 @@ FirstPass planFirstPass(VolumeSource& source, int64_t time, const BlockLayout& l
   const VolumeLayout& voxels = source.layout();
   const auto device_bytes = static_cast<double>(bytesPerVoxel(deviceMap(voxels).type));
   constexpr double kAxes = 3, kEnds = 2;
-  const Vec3i bricks = brickGrid(brickCells(layout.dims, source.occupancy(time))).grid();
+  // Asked once, because an answer may take a listing of all chunks on a server.
+  const std::optional<Occupancy> occupancy = source.occupancy(time);
+  const Vec3i bricks = brickGrid(brickCells(layout.dims, occupancy)).grid();
   // Bricks and arrays stay resident, so that they must fit even if nothing else is in memory.
   const double array_bytes =
       static_cast<double>(volume(bricks)) * kEnds * device_bytes +
-      blocksAtMost(source, time, layout) *
+      blocksAtMost(layout, occupancy) *
           (sizeof(int64_t) +
            kEnds * device_bytes * (1 + kAxes * static_cast<double>(layout.planes())));
   if (array_bytes > static_cast<double>(memory_bytes))

@@ -31,6 +31,21 @@ class HoldingSource final : public FunctionSource {
   const uint64_t held_;
 };
 
+// A listing may ask a server for each chunk.
+TEST(FirstPass, asksOnceForWhatIsStored) {
+  class Counting final : public FunctionSource {
+   public:
+    Counting() : FunctionSource(layoutOf({64, 64, 64}), [](int64_t, Vec3i) { return 0.0; }) {}
+    std::optional<Occupancy> occupancy(int64_t /*time*/) override {
+      ++asked;
+      return Occupancy{0, {{{0, 0, 0}, {5, 5, 2}}}};
+    }
+    int asked = 0;
+  } source;
+  planFirstPass(source, 0, blockLayout(source.layout().dims, 64, 0), uint64_t{1} << 30, 2);
+  EXPECT_EQ(source.asked, 1);
+}
+
 constexpr uint64_t kMiB = 1 << 20;
 
 FirstPass passOf(HoldingSource& source, uint64_t memory_bytes) {

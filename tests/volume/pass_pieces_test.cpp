@@ -148,6 +148,38 @@ TEST(SharedPass, forTheTakerAloneReadsTheLayersThatItWants) {
   }
 }
 
+// Layers that nobody wants and background that is not stored are no reason to end halfway.
+TEST(SharedPass, itsProgressReachesTheEnd) {
+  BlobOptions options;
+  options.dims = {80, 60, 50};
+  const auto sparse = makeSparseBlobs(options),
+             dense = makeWhiteNoise({40, 30, 20}, VoxelType::kU16, 2);
+  WorkerPool pool(2);
+  for (VolumeSource* source : {sparse.get(), dense.get()})
+    for (const bool wants : {true, false}) {
+      const VolumeLayout& voxels = source->layout();
+      const BlockLayout layout = blockLayout(voxels.dims, 8, 0);
+      const uint64_t all = static_cast<uint64_t>(volume(voxels.dims)) * bytesPerVoxel(voxels.type);
+      uint64_t last = 0;
+      const ProgressWatch watch = [&](uint64_t done, uint64_t total) {
+        EXPECT_EQ(total, all);
+        EXPECT_LE(done, total);
+        last = std::max(last, done);
+      };
+      NotingTaker taker(*source, 16);
+      taker.wants = wants;
+      ProgressMeter alone(watch);
+      passVoxels(*source, 0, layout, pool, alone, 1 << 20, {}, taker);
+      EXPECT_EQ(last, all);
+      last = 0;
+      ProgressMeter shared(watch);
+      NotingTaker other(*source, 16);
+      BrickRanges bricks;
+      buildSliceRanges(*source, 0, layout, pool, shared, 1 << 20, {}, bricks, &other);
+      EXPECT_EQ(last, all);
+    }
+}
+
 // Notes how many reads had begun when it was told of a box.
 class TellingSource final : public ForwardingSource {
  public:

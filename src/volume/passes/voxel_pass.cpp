@@ -28,9 +28,11 @@ void passPieces(const PassedVoxels& passed, std::span<const PassPiece> pieces, s
 }
 
 void passInTiles(const PassedVoxels& passed, int64_t most_voxels, PassLayers layers,
-                 VoxelTaker& taker, const TakePiece& take) {
+                 VoxelTaker& taker, ProgressMeter& progress, const TakePiece& take) {
   const BlockLayout& layout = passed.layout;
   const int64_t side = taker.side();
+  const size_t voxel_bytes = bytesPerVoxel(passed.source.layout().type);
+  progress.expect(static_cast<uint64_t>(volume(layout.dims)) * voxel_bytes);
   std::vector<PassPiece> next = tilesOf(layout, passed.blocks, side, 0, most_voxels);
   for (int64_t z = 0; z < layout.dims.z; z += side) {
     const bool is_wanted = taker.wantsLayer(z);  // asked first: take() depends on it
@@ -40,9 +42,19 @@ void passInTiles(const PassedVoxels& passed, int64_t most_voxels, PassLayers lay
     // this layer ends.
     next = tilesOf(layout, passed.blocks, side, z + side, most_voxels);
     tiles.insert(tiles.end(), next.begin(), next.end());
-    if (layers == PassLayers::kAll || is_wanted) passPieces(passed, tiles, count, take);
+    const int64_t end = std::min(z + side, layout.dims.z);
+    int64_t rest = layout.dims.x * layout.dims.y * (end - z);
+    if (layers == PassLayers::kAll || is_wanted) {
+      passPieces(passed, tiles, count, [&](const PassPiece& tile) {
+        take(tile);
+        progress.add(static_cast<uint64_t>(tile.own.count()) * voxel_bytes);
+      });
+      for (size_t i = 0; i < count; ++i) rest -= tiles[i].own.count();
+    }
+    // Background and layers that nobody wants are done, too, or the pass would end before its end.
+    if (rest > 0) progress.add(static_cast<uint64_t>(rest) * voxel_bytes);
     // All tiles of this layer have been taken: parallelFor() returns after the last.
-    taker.layersBefore(std::min(z + side, layout.dims.z));
+    taker.layersBefore(end);
   }
 }
 
@@ -55,18 +67,16 @@ void passVoxels(VolumeSource& source, int64_t time, const BlockLayout& layout, W
                 VoxelTaker& taker) {
   const std::vector<int64_t> blocks = candidateBlocks(layout, source.occupancy(time));
   const size_t voxel_bytes = bytesPerVoxel(source.layout().type);
-  progress.expect(static_cast<uint64_t>(volume(layout.dims)) * voxel_bytes);
   const TakePiece take = [&](const PassPiece& piece) {
     const auto voxels = static_cast<size_t>(piece.own.count());
     const AlignedArray<std::byte> stored = alignedForOverwrite<std::byte>(voxels * voxel_bytes);
     source.readRegion(time, piece.own, {stored.get(), voxels * voxel_bytes});
     const Vec3i size = piece.own.size();
     taker.take({piece.own, stored.get(), size.x, size.x * size.y});
-    progress.add(voxels * voxel_bytes);
   };
   passInTiles({source, time, layout, blocks, pool, stop},
               voxelsPerTile(voxel_bytes, most_bytes / static_cast<uint64_t>(pool.threads())),
-              PassLayers::kWanted, taker, take);
+              PassLayers::kWanted, taker, progress, take);
 }
 
 }  // namespace sluice

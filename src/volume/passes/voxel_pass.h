@@ -12,6 +12,7 @@
 
 #include "src/base/sources/volume_source.h"
 #include "src/base/sources/voxel_taker.h"
+#include "src/base/threads/progress_meter.h"
 #include "src/base/threads/stop_token.h"
 #include "src/base/threads/worker_pool.h"
 #include "src/volume/block_layout.h"
@@ -44,9 +45,10 @@ enum class PassLayers { kAll, kWanted };
 void passPieces(const PassedVoxels& passed, std::span<const PassPiece> pieces, size_t count,
                 const TakePiece& take);
 
-// The same for all tiles of the blocks, with taker.layersBefore() at the end of each layer.
+// The same for all tiles of the blocks, with taker.layersBefore() at the end of each layer. The
+// progress counts all stored bytes of the volume, those of layers and tiles that are left out, too.
 void passInTiles(const PassedVoxels& passed, int64_t most_voxels, PassLayers layers,
-                 VoxelTaker& taker, const TakePiece& take);
+                 VoxelTaker& taker, ProgressMeter& progress, const TakePiece& take);
 
 // The most voxels of a tile if a voxel as it is read and as it is kept take `voxel_bytes` together.
 int64_t voxelsPerTile(size_t voxel_bytes, uint64_t thread_bytes);

@@ -372,10 +372,7 @@ SliceRanges buildSliceRanges(VolumeSource& source, int64_t time, const BlockLayo
   const PassedVoxels passed{source, time, layout, result.blocks, pool, stop};
   visitDeviceType(result.map.type, [&](auto tag) {
     Builder<decltype(tag)> builder(source, time, result, occupancy);
-    const TakePiece take = [&](const PassPiece& piece) {
-      builder.takePiece(piece, taker);
-      progress.add(static_cast<uint64_t>(piece.own.count()) * stored_bytes);
-    };
+    const TakePiece take = [&](const PassPiece& piece) { builder.takePiece(piece, taker); };
     // Without a taker any pieces will do, and runs of blocks read only what may differ from the
     // background.
     if (taker == nullptr) {
@@ -384,10 +381,13 @@ SliceRanges buildSliceRanges(VolumeSource& source, int64_t time, const BlockLayo
       uint64_t voxels = 0;
       for (const PassPiece& run : runs) voxels += static_cast<uint64_t>(run.own.count());
       progress.expect(voxels * stored_bytes);
-      passPieces(passed, runs, runs.size(), take);
+      passPieces(passed, runs, runs.size(), [&](const PassPiece& run) {
+        take(run);
+        progress.add(static_cast<uint64_t>(run.own.count()) * stored_bytes);
+      });
     } else {
-      progress.expect(static_cast<uint64_t>(volume(layout.dims)) * stored_bytes);
-      passInTiles(passed, voxelsPerTile(voxel_bytes, thread_bytes), PassLayers::kAll, *taker, take);
+      passInTiles(passed, voxelsPerTile(voxel_bytes, thread_bytes), PassLayers::kAll, *taker,
+                  progress, take);
     }
     bricks = builder.finish(backgroundOf(source, occupancy));
   });
