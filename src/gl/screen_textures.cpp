@@ -34,8 +34,9 @@ void main() {
 
 ScreenTextures::~ScreenTextures() {
   for (Slot& slot : slots_) {
-    // The window holds it still, and deletes it when it lets go (Texture::letGo()).
-    if (slot.seen.use_count() > 1) continue;
+    // A reader that still holds the texture deletes it (Texture::letGo()). The flag decides if both
+    // let go at once: with their counts of holders alone, each could leave it to the other.
+    if (slot.seen.use_count() > 1 && !slot.is_let_go->exchange(true)) continue;
     gl_.DeleteSync(slot.drawn);
     gl_.DeleteSync(static_cast<GLsync>(slot.seen->load()));
     gl_.DeleteTextures(1, &slot.texture);
@@ -67,12 +68,14 @@ bool ScreenTextures::showsSomething() {
 ScreenTextures::Slot& ScreenTextures::freeSlot(PictureSize size) {
   auto slot = std::ranges::find_if(slots_, [](const Slot& s) { return s.seen.use_count() == 1; });
   if (slot == slots_.end()) {
-    slots_.emplace_back().seen = std::make_shared<std::atomic<void*>>(nullptr);
-    slot = slots_.end() - 1;
+    slot = slots_.emplace(slots_.end());
+    slot->seen = std::make_shared<std::atomic<void*>>(nullptr);
+    slot->is_let_go = std::make_shared<std::atomic<bool>>(false);
     gl_.GenTextures(1, &slot->texture);
   }
   if (slot->drawn != nullptr) gl_.DeleteSync(slot->drawn);
   slot->drawn = nullptr;
+  *slot->is_let_go = false;  // by the last reader, which is gone
   // The window's last commands that read the texture come before what is drawn over it.
   if (const auto seen = static_cast<GLsync>(slot->seen->exchange(nullptr))) {
     gl_.WaitSync(seen, 0, GL_TIMEOUT_IGNORED);
@@ -114,7 +117,8 @@ ScreenPicture ScreenTextures::make(GLuint picture, PictureSize size,
   gl_.DrawArrays(GL_TRIANGLES, 0, 3);
   slot.drawn = gl_.FenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
   gl_.Flush();  // else a thread that waits for the fence may wait for ever
-  return {slot.texture, size.width, size.height, slot.drawn, slot.seen, shows_something};
+  return {slot.texture, size.width,     size.height,    slot.drawn,
+          slot.seen,    slot.is_let_go, shows_something};
 }
 
 }  // namespace sluice

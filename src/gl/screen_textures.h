@@ -32,6 +32,7 @@ class ScreenTextures {
     PictureSize size{0, 0};
     GLsync drawn = nullptr;
     std::shared_ptr<std::atomic<void*>> seen;
+    std::shared_ptr<std::atomic<bool>> is_let_go;
   };
   // A slot of this size that nobody reads any more.
   Slot& freeSlot(PictureSize size);

@@ -16,8 +16,11 @@ struct ScreenPicture {
   int width = 0, height = 0;
   void* drawn = nullptr;  // a fence (GLsync): whoever reads lets its commands wait for it
   // A fence behind the reader's last command, or null; whoever holds this keeps the texture from
-  // being drawn to. The last one to let go of it deletes texture and fences.
+  // being drawn to.
   std::shared_ptr<std::atomic<void*>> seen;
+  // Set by the reader or the device as it lets go. The one that finds it set is the last, and
+  // deletes texture and fences.
+  std::shared_ptr<std::atomic<bool>> is_let_go;
   bool shows_something = true;  // any pixel has at least kLeastOpacity
 };
 

@@ -270,8 +270,8 @@ std::optional<ScreenImage> Drawing::drawOnScreen(const PictureOptions& picture,
   try {
     std::optional<ScreenPicture> kept;
     const Image sizes = drawWhole(picture, &kept, teller);
-    return ScreenImage{kept->texture, kept->width,         kept->height,      kept->drawn,
-                       kept->seen,    sizes.missing_share, sizes.will_improve};
+    return ScreenImage{kept->texture, kept->width,     kept->height,        kept->drawn,
+                       kept->seen,    kept->is_let_go, sizes.missing_share, sizes.will_improve};
   } catch (...) {
     // The wish holds until it is met: without this, the next draw() would get a picture without
     // pixels.

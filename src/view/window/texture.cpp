@@ -8,6 +8,8 @@
 namespace sluice {
 namespace {
 
+// The functions come from GLFW, because libGL promises symbols for the first versions of OpenGL
+// alone.
 template <class Function>
 Function find(const char* name) {
   return reinterpret_cast<Function>(glfwGetProcAddress(name));
@@ -31,16 +33,15 @@ void* Texture::id() const {
 void Texture::letGo() {
   if (!shown_) return;
   const ScreenImage image = *std::exchange(shown_, std::nullopt);
-  if (image.seen.use_count() == 1) {  // its renderer is gone
-    removeFence(image.drawn);
-    removeFence(image.seen->load());
-    glDeleteTextures(1, &image.texture);
-    return;
-  }
   const GLsync seen = find<PFNGLFENCESYNCPROC>("glFenceSync")(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
   glFlush();  // else a thread that waits for the fence may wait for ever
   // The renderer waits for this fence before it draws over the texture.
   removeFence(image.seen->exchange(seen));
+  if (!image.is_let_go->exchange(true)) return;
+  // The renderer has ended, and nobody else holds the texture.
+  removeFence(image.drawn);
+  removeFence(image.seen->load());
+  glDeleteTextures(1, &image.texture);
 }
 
 void Texture::drop() {
@@ -58,6 +59,7 @@ void Texture::swap(Texture& other) {
 }
 
 void Texture::show(const ScreenImage& image) {
+  // The old picture goes back first, so that the renderer has its texture for the next one.
   letGo();
   // The driver's commands wait, this thread does not.
   find<PFNGLWAITSYNCPROC>("glWaitSync")(static_cast<GLsync>(image.drawn), 0, GL_TIMEOUT_IGNORED);
@@ -76,6 +78,8 @@ void Texture::set(int width, int height, const std::vector<uint8_t>& rgba) {
   }
   glBindTexture(GL_TEXTURE_2D, name_);
   glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
+  // New storage for a texture costs more than new contents, and most pictures have the size of the
+  // last one.
   if (width == width_ && height == height_) {
     glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE, rgba.data());
   } else {
