@@ -89,14 +89,16 @@ class Loop {
   DrawingThread& desk_;
 };
 
-// Event i of a drag: a quarter of the range up and back, or the same way round the volume.
+// Event i of a drag, from 1: a quarter of the range up and back to the start, or the same way round
+// the volume. There is no event 0, which would move nothing: no window sends such a wish, and its
+// answer, for which nothing new is loaded, would be the best of a drag.
 void move(ViewState& state, const ViewBench& bench, std::array<double, 2> range, int i) {
   const double part = static_cast<double>(i) / bench.events;
   const double up = part < 0.5 ? 2 * part : 2 - 2 * part;
   if (bench.drag == DragKind::kThreshold)
     state.look = withThreshold(state.look, bench.threshold + up * (range[1] - range[0]) / 4, range);
   else
-    state.view = orbit(state.view, part < 0.5 ? 4 : -4, 0, {bench.width, bench.height});
+    state.view = orbit(state.view, part <= 0.5 ? 4 : -4, 0, {bench.width, bench.height});
 }
 
 // Opens the volume and waits for the first picture, then drags the threshold or turns the view back
@@ -151,7 +153,7 @@ nlohmann::json benchView(const ViewBench& bench) {
   const std::chrono::duration<double> apart(1 / bench.events_per_second);
   for (int drag = 0; drag < bench.drags; ++drag) {
     auto due = Clock::now();
-    for (int i = 0; i < bench.events; ++i) {
+    for (int i = 1; i <= bench.events; ++i) {
       move(wish.state, bench, range, i);
       wish.moves = true;
       loop.wish(wish);
