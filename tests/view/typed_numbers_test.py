@@ -57,6 +57,30 @@ def typed(folder):
         assert times['gl_errors'] == 0, times
 
 
+def long_axis(folder):
+    """An axis of more than 2^31 voxels, of which two chunks are stored."""
+    voxels, chunk = 1 << 32, 4096
+    store = pathlib.Path(folder, 'long.zarr')
+    store.mkdir()
+    (store / '.zarray').write_text(json.dumps({'zarr_format': 2, 'shape': [4, 4, voxels], 'chunks': [4, 4, chunk], 'dtype': '|u1',
+                                               'compressor': None, 'fill_value': 0, 'order': 'C', 'filters': None}), encoding='utf-8')
+    for number in (0, voxels // chunk - 1):
+        (store / f'0.0.{number}').write_bytes(bytes([200]) * (16 * chunk))
+    arguments = ['long.zarr', '--size', '480x860', '--device', 'cpu', '--threshold', '40', '--view', 'plain']
+    with Display() as display, Window(display, sys.argv[1], arguments, folder) as window:
+        window.wait('opened')
+        window.whole(0)
+        for section in ('look', 'opacity over values', 'view'):
+            window.click(f'section {section}')
+        window.click('section cut')
+        mark = window.mark()
+        type_number(window, 'crop x', '3000000000')
+        window.whole(mark)
+        crop = save(window, folder)['crop']
+        assert crop == [3_000_000_000, 0, 0, voxels, 4, 4], crop
+        window.end()
+
+
 def dropped(folder):
     wrong = {'late': {'time': 5}, 'early': {'time': -1}, 'large': {'crop': [0, 0, 0, 32, 28, 25]},
              'key': {'path': {'kind': 'keys', 'keys': [{'time': 7, 'camera': {'eye': [0, 0, 90], 'target': [0, 0, 0]}}]}}}
@@ -87,4 +111,4 @@ def dropped(folder):
 
 
 if __name__ == '__main__':
-    window_driver.run(typed, dropped)
+    window_driver.run(typed, long_axis, dropped)

@@ -36,6 +36,26 @@ std::array<double, 3> faceOf(const PictureOptions::Box& box, int face) {
   return middle;
 }
 
+// Two fields for the ends of an interval within 0 and `most`, neither of which passes the other.
+// Returns whether the user changed one. ImGui::DragIntRange2() does the same for numbers of 32
+// bits.
+bool dragInterval(int64_t& lo, int64_t& hi, int64_t most, const std::string& name) {
+  const int64_t none = 0, lo_most = std::min(hi, most), hi_least = std::max<int64_t>(lo, 0);
+  const float gap = ImGui::GetStyle().ItemInnerSpacing.x;
+  const float half = std::floor((ImGui::CalcItemWidth() - gap) / 2);
+  const float speed = static_cast<float>(most) / 400;
+  ImGui::BeginGroup();  // one item for the log of controls
+  ImGui::SetNextItemWidth(half);
+  bool is_changed = ImGui::DragScalar("##from", ImGuiDataType_S64, &lo, speed, &none, &lo_most,
+                                      (name + " %lld").c_str());
+  ImGui::SameLine(0, gap);
+  ImGui::SetNextItemWidth(half);
+  is_changed |=
+      ImGui::DragScalar("##to", ImGuiDataType_S64, &hi, speed, &hi_least, &most, "to %lld");
+  ImGui::EndGroup();
+  return is_changed;
+}
+
 void planes(WindowState& window) {
   auto& shown = window.state().clip_planes;
   if (shown.size() < kMostClipPlanes && ImGui::Button("cut here")) cutHere(window);
@@ -43,7 +63,10 @@ void planes(WindowState& window) {
   const auto radius = static_cast<float>(window.volume.ground.radius);
   for (size_t i = 0; i < window.state().clip_planes.size(); ++i) {
     ImGui::PushID(static_cast<int>(i));
+    // A copy and a new look at the count in each round, because "remove" changes the list that is
+    // being walked.
     const PictureOptions::Plane plane = window.state().clip_planes[i];
+    // The slider spans the ball around the volume, beyond which a plane cuts all or nothing.
     auto offset = static_cast<float>(plane.offset);
     const double middle =
         dot(Vec3d{plane.normal[0], plane.normal[1], plane.normal[2]}, window.volume.ground.center);
@@ -120,16 +143,9 @@ void cutPanel(WindowState& window) {
   constexpr std::array kNames{"x", "y", "z"};
   PictureOptions::Box box = boxOf(window);
   for (size_t a = 0; a < 3; ++a) {
-    auto lo = static_cast<int>(box.lo[a]), hi = static_cast<int>(box.hi[a]);
     ImGui::PushID(static_cast<int>(a));
     ImGui::SetNextItemWidth(-1);
-    if (ImGui::DragIntRange2("##crop", &lo, &hi, static_cast<float>(dims[a]) / 400, 0,
-                             static_cast<int>(dims[a]), (std::string(kNames[a]) + " %d").c_str(),
-                             "to %d")) {
-      box.lo[a] = lo;
-      box.hi[a] = hi;
-      setBox(window, box);
-    }
+    if (dragInterval(box.lo[a], box.hi[a], dims[a], kNames[a])) setBox(window, box);
     window.log.control("crop " + std::string(kNames[a]));
     ImGui::PopID();
   }
