@@ -86,11 +86,14 @@ void DrawingJobs::tellFailure(const std::string& line) {
 
 ProgressFunction DrawingJobs::progress() const {
   return [this](const Progress& progress) {
+    // The library calls this from its own threads, too; the queue takes any.
     queue_.noteProgress(progress.share(), progress.stage != Progress::Stage::kDrawing);
   };
 }
 
 void DrawingJobs::useLook(const ViewState& state, bool is_shown) {
+  // Making a look reads files and may take a histogram, so that a look that is the same is not set
+  // again.
   const LookOptions look = lookOf(state);
   // There is none if opening another volume failed after the last one was let go (openVolume()).
   if (opened_.renderer == nullptr) {
@@ -106,6 +109,8 @@ void DrawingJobs::useLook(const ViewState& state, bool is_shown) {
   if (!is_shown) return;
   opened_.shown_look = look;
   auto shown = std::make_unique<ShownLook>(opened_.renderer->shownLook());
+  // The swap leaves the look that nobody took to this thread, which destroys it outside of the
+  // lock.
   news_.add([&](News& news) { news.look.swap(shown); });
 }
 
@@ -119,6 +124,8 @@ ShownPicture DrawingJobs::draw(const Job& job, const PictureOptions& picture) {
   const auto background = job.wish->wish.state.background.value_or(kPaneColor);
   ShownPicture shown;
   double convert_s = 0;
+  // The picture stays on the graphics card if it can. nullopt says that this look or device needs
+  // pixels.
   shown.screen = renderer.drawOnScreen(picture, background, progress(), job.stop);
   if (shown.screen) {
     shown.width = shown.screen->width;
@@ -157,7 +164,11 @@ void DrawingJobs::run(const PreviewJob&, const Job& job) {
   useLook(wish.state);
   PictureOptions picture = pictureOf(wish.state, wish.width, wish.height);
   const double budget_s = drawingBudget(options_.budget_s, wish.showing_s);
+  // The quality is chosen to meet the budget. The limit is looser, so that a picture which takes a
+  // little longer than expected is still whole.
   picture.time_limit_s = 1.25 * budget_s;
+  // The question comes before the size is changed: the steps of the whole picture are those to be
+  // stretched.
   const auto [step, from_levels] = opened_.renderer->sampling(picture, progress(), job.stop);
   const Quality quality =
       qualityWithin(opened_.pace, static_cast<double>(wish.width) * wish.height, step, budget_s,
@@ -179,6 +190,7 @@ void DrawingJobs::run(const PictureJob&, const Job& job) {
   const Stopwatch watch;
   useLook(wish.state);
   PictureOptions picture = pictureOf(wish.state, wish.width, wish.height);
+  // The blocks of the next step are read while this one is drawn; previews have no time for it.
   picture.next_time = wish.next_time;
   const bool from_levels = opened_.renderer->sampling(picture, progress(), job.stop).from_levels;
   double missing = 1, limit_s = from_levels ? kRefineLevels_s : kRefine_s;
@@ -196,6 +208,7 @@ void DrawingJobs::run(const PictureJob&, const Job& job) {
     const bool goes_on = shown.will_improve || came >= kWorthShowing;
     deliver(*job.wish, std::move(shown), is_complete, watch.seconds());
     if (is_complete) return;
+    // Too little came in this time. The picture below waits for all of it.
     if (!goes_on) break;
   }
   picture.time_limit_s.reset();
@@ -217,6 +230,7 @@ void DrawingJobs::deliver(const NumberedWish& wish, ShownPicture picture, bool i
 void DrawingJobs::run(const SlicesJob&, const Job& job) {
   const ViewState& state = job.wish->wish.state;
   useLook(state);
+  // Slices are kept by place and step, since a new range recolours them without reading.
   const VolumeInfo& info = opened_.volume->info();
   std::array<double, 2> range = state.look.range.value_or(info.value_range);
   // A volume of one value has no range to spread over the greys.

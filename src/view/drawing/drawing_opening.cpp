@@ -24,6 +24,7 @@ bool isGone(const std::vector<std::string>& paths) {
 }  // namespace
 
 void DrawingJobs::lend(std::shared_ptr<const ScreenContext> screen) {
+  // The window lends from its own thread, before it asks for a volume.
   const MutexLock lock(screen_mutex_);
   screen_ = std::move(screen);
 }
@@ -41,6 +42,7 @@ std::unique_ptr<Renderer> DrawingJobs::makeRenderer(const Volume& volume,
 void DrawingJobs::run(const OpenJob& task, const Job& job) {
   OpenJob open = task;
   if (!open.state_file.empty()) {
+    // The file is read here and not by the window, whose loop must not wait for a disk.
     StateFile file = readState(open.state_file);
     if (!file.volume) return loadInto(std::move(file), open.state_file, job);
     open.volume = std::move(*file.volume);
@@ -60,10 +62,13 @@ void DrawingJobs::run(const OpenJob& task, const Job& job) {
 }
 
 void DrawingJobs::loadInto(StateFile file, const std::string& name, const Job& job) {
+  // A view without a volume is one for the volume that is open.
   if (!opened_.volume) fail("{}: the file names no volume, and no volume is open", name);
   requireFits(file.state, file.path, opened_.volume->info(), name);
   // The view fits what is visible in the saved look.
   useLook(file.state);
+  // A view is placed for the pane of the newest wish. Before the first one, nobody knows the size
+  // of the pane.
   const Wish pane = job.wish != nullptr ? job.wish->wish : Wish{.width = kWidth, .height = kHeight};
   file.state.view = placed(file.state, pane.width, pane.height, job);
   if (file.path) placeKeys(*file.path, *opened_.renderer, progress(), job.stop);
@@ -99,6 +104,8 @@ void DrawingJobs::openVolume(OpenJob task, const Job& job) {
   VolumeOptions how = next.viewed.options;
   how.opens_soon = true;
   next.volume.emplace(next.viewed.paths, how, progress(), job.stop);
+  // The options of the command line belong to the volume that it names, and not to others that are
+  // opened later.
   if (is_first && !task.path) task.path = options_.path;
   if (is_first && !task.state && !options_.state_file.empty()) {
     task.state = options_.state;
@@ -111,6 +118,7 @@ void DrawingJobs::openVolume(OpenJob task, const Job& job) {
   ViewState& state = news->state;
   if (task.state) {
     state = *task.state;
+    // The check comes before the volume that is open is let go.
     requireFits(state, task.path, news->info,
                 task.state_file.empty() ? next.viewed.paths.front() : task.state_file);
   } else {
@@ -138,6 +146,7 @@ void DrawingJobs::openVolume(OpenJob task, const Job& job) {
     next.is_recorded = true;
   }
   news->device = next.renderer->deviceName();
+  // All that can fail has been done. From here on, the new volume takes the place of the old one.
   auto look = std::make_unique<ShownLook>(next.renderer->shownLook());
   opened_ = std::move(next);
   if (const auto film = queue_.noteOpened())

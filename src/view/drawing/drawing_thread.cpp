@@ -14,6 +14,7 @@ namespace {
 // waits for came after all other programs, too, and took twice as long during builds.
 void yieldToOthers() {
   constexpr int kNicer = 1;
+  // Linux keeps a nice value for each thread, and threads inherit that of the one that starts them.
   const auto self = static_cast<id_t>(gettid());
   setpriority(PRIO_PROCESS, self, getpriority(PRIO_PROCESS, self) + kNicer);
 }
@@ -28,12 +29,15 @@ DrawingThread::DrawingThread(const DrawingOptions& options)
   worker_->submit([this] { run(); });
 }
 
+// The members go in reverse order: the pool comes first and joins the thread, which uses all others
+// until then.
 DrawingThread::~DrawingThread() {
   queue_.end();
 }
 
 std::vector<std::string> DrawingThread::end() {
   queue_.end();
+  // Whatever the thread still adds to the news is there when it has been joined.
   worker_.reset();  // joins
   News last = news_.take();
   std::vector<std::string> lines = std::move(last.notes);

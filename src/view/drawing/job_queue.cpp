@@ -58,6 +58,7 @@ uint64_t JobQueue::wish(const Wish& wish) {
   const MutexLock lock(mutex_);
   const uint64_t number = ++status_.wished;
   requests_.wish = std::make_shared<const NumberedWish>(NumberedWish{number, now, wish});
+  // Each wish is timed, also those that no picture is drawn for: a later picture answers them.
   served_.unanswered.emplace_back(number, now);
   if (served_.unanswered.size() > kMostUnanswered) served_.unanswered.pop_front();
   ++times_.wishes;
@@ -67,6 +68,7 @@ uint64_t JobQueue::wish(const Wish& wish) {
   return number;
 }
 
+// A save stops nothing: a picture under way is soon whole, and the save waits its turn (choose()).
 void JobQueue::save(SavePictureJob job) {
   const MutexLock lock(mutex_);
   job.volume = requests_.seen;
@@ -86,6 +88,7 @@ void JobQueue::writeFrames(const FilmWish& film) {
   requests_.frame = FrameJob{.film = ++requests_.films,
                              .wish = std::make_shared<const FilmWish>(film),
                              .volume = requests_.seen};
+  // The number is told at once, so that the window shows a film that has not begun.
   status_.frames = frameCount(film.path);
   status_.frames_written = 0;
   changed_.notifyAll();
@@ -157,6 +160,8 @@ std::vector<std::string> JobQueue::unwritten() const {
 
 void JobQueue::end() {
   const MutexLock lock(mutex_);
+  // The flag stays with the queue, so that a job which does not look at its stop token is the last
+  // one, too.
   work_.ends = true;
   work_.stop.request_stop();
   changed_.notifyAll();
@@ -221,6 +226,7 @@ std::optional<Job> JobQueue::choose() {
 }
 
 Job JobQueue::start(Job job) {
+  // A stop source cannot be taken back, so that each job has its own.
   work_.stop = std::stop_source();
   work_.began = Clock::now();
   job.stop = work_.stop.get_token();
@@ -231,6 +237,7 @@ Job JobQueue::start(Job job) {
 
 std::optional<Job> JobQueue::next() {
   MutexLock lock(mutex_);
+  // The thread asks for the next job when the last one is done, whatever became of it.
   status_.doing = Doing::kNothing;
   while (!work_.ends) {
     if (std::optional<Job> job = choose()) return start(std::move(*job));
@@ -288,11 +295,13 @@ void JobQueue::notePicture(const NumberedWish& wish, bool is_complete) {
 
 void JobQueue::noteSlices(uint64_t wish) {
   const MutexLock lock(mutex_);
+  // A newer wish may have been noted while these slices were read.
   served_.sliced = std::max(served_.sliced, wish);
 }
 
 void JobQueue::notePlaced(const PlaceJob& job) {
   const MutexLock lock(mutex_);
+  // A newer request stays: its number differs from that of the job which is done.
   if (requests_.place && requests_.place->number == job.number) requests_.place.reset();
 }
 
@@ -315,6 +324,7 @@ bool JobQueue::noteFrame(const FrameJob& job) {
   if (!isFilm(job.film)) return false;
   requests_.frame->stopped = 0;
   status_.frames_written = ++requests_.frame->frame;
+  // The counts go back to 0, by which the window sees that no film is being written.
   if (status_.frames_written == status_.frames) endFilm();
   return true;
 }

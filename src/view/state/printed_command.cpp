@@ -48,6 +48,7 @@ std::string renderCommand(const ViewedVolume& volume, const ViewState& whole,
   } else {
     command += " " + look;
     const auto words = lookWords(state.look);
+    // The printed look has all of the look but the mode, which decides how it is used.
     add({words.back()});  // the mode
   }
   ViewState of_look = state;

@@ -17,6 +17,7 @@
 namespace sluice {
 namespace {
 
+// Six more are left to a device, for the sides of the clip box (frame_values.h).
 constexpr size_t kMostPlanes = 6;
 
 template <class Triple>
@@ -44,6 +45,7 @@ std::string expectedOf(const NumberRange<Number>& range, std::string_view noun) 
   const auto& [least, most, above_least] = range;
   const NumberRange<Number> all;
   if (above_least) return fmt::format("{} above {}, up to {}", noun, least, most);
+  // A range without a lower end has no upper one either, so that only infinity is wrong.
   if (least == all.least) return "a finite number";
   if (most == all.most) return fmt::format("{}, counted from {}", noun, least);
   if (least == 0 && most == 1) return fmt::format("{} in 0..1", noun);
@@ -54,6 +56,8 @@ constexpr const char* kExpectedLook =
     "a channel with its colour, range and opacity, such as 0:green,400:3000,0.1";
 
 // The check of one option's values.
+// std::visit() calls the operator for the alternative that the option holds. The form tells further
+// what the numbers mean.
 class Check {
  public:
   Check(const OptionKind& kind, std::string field, Findings& findings)
@@ -126,6 +130,7 @@ class Check {
   }
   void within(const std::string& field, const NumberRange<double>& range, const auto& n,
               std::string_view noun = "a number") const {
+    // Whole numbers beyond 2^53 would be rounded in a comparison as doubles.
     if constexpr (std::is_same_v<std::remove_cvref_t<decltype(n)>, int64_t>)
       require(wholesIn(range).holds(n), field, expectedOf(wholesIn(range), noun), n);
     else
@@ -177,6 +182,7 @@ std::optional<ViewFault> faultOf(const OptionKind& kind, const OptionValue& valu
 
 std::optional<ViewFault> faultOf(const ViewState& state) {
   Findings findings;
+  // The order of the parts is that of the file, and the first fault is the one that is named.
   for (const auto& [part, place] : {std::pair(OptionPart::kCamera, "/camera/"),
                                     {OptionPart::kLook, "/look/"},
                                     {OptionPart::kTop, "/"}}) {
@@ -196,6 +202,8 @@ std::optional<ViewFault> faultOf(const ViewState& state, const VolumeInfo& volum
                    fmt::format("a time step from 0 to {}", volume.time_steps - 1), state.time);
   const auto& dims = volume.dims;
   for (size_t a = 0; a < 3; ++a) {
+    // The lower corner needs no check of its own, since each upper one is at least 2 above it
+    // (Check).
     if (state.crop)
       findings.require(state.crop->hi[a] <= dims[a], fmt::format("/crop/{}", a + 3),
                        fmt::format("at most the volume's {} voxels", dims[a]), state.crop->hi[a]);

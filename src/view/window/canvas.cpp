@@ -96,6 +96,7 @@ Canvas::~Canvas() {
 }
 
 void Canvas::resize(int width, int height) {
+  // The canvas keeps its pixels from frame to frame, since only changed areas are drawn again.
   if (width == width_ && height == height_) return;
   if (pixels_ == 0) glGenTextures(1, &pixels_);
   glBindTexture(GL_TEXTURE_2D, pixels_);
@@ -156,6 +157,7 @@ const std::vector<ScreenArea>& Canvas::compare(const ImDrawData& data, int width
         all,
         {std::floor(area.left * scale.x) / scale.x, std::floor(area.top * scale.y) / scale.y,
          std::ceil(area.right * scale.x) / scale.x, std::ceil(area.bottom * scale.y) / scale.y});
+  // Areas that meet would blend what is translucent in them twice.
   areas_ = apart(std::move(areas_));
   return areas_;
 }
@@ -177,6 +179,8 @@ void Canvas::drawBackdrop(const ScreenArea& area) {
 }
 
 void Canvas::draw(ImDrawData& data) {
+  // The canvas is a framebuffer of our own: the contents of the window's are undefined after each
+  // swap, so that nothing could be kept there.
   drawn_pixels_ = 0;
   const ScreenArea canvas{0, 0, static_cast<float>(width_), static_cast<float>(height_)};
   gl_->bind(GL_FRAMEBUFFER, framebuffer_);
@@ -203,6 +207,7 @@ void Canvas::draw(ImDrawData& data) {
   // The canvas is upside down, so the copy turns it.
   gl_->blit(0, 0, width_, height_, 0, height_, width_, 0, GL_COLOR_BUFFER_BIT, GL_NEAREST);
   gl_->bind(GL_FRAMEBUFFER, 0);
+  // The lists change places instead of being copied, and keep their memory for the next frame.
   std::swap(last_, now_);
   redrawn_.clear();
   is_new_ = backdrop_is_new_ = false;

@@ -38,6 +38,7 @@ void keepRecent(WindowState& window) {
   std::string recent = volume.paths.front();
   std::error_code unknown;
   if (!recent.starts_with("synth:")) {
+    // The next start may be in another working directory.
     const auto absolute = std::filesystem::absolute(recent, unknown);
     if (!unknown) recent = absolute.string();
   }
@@ -51,6 +52,7 @@ bool fadesIn(const ShownPicture& picture, const ShownPicture& before) {
 
 void endFade(PictureOnScreen& shown) {
   shown.faded_in_from.reset();
+  // The texture goes back to the renderer, which has few of them (ScreenTextures).
   shown.before.drop();
   shown.share = 1;
 }
@@ -60,6 +62,7 @@ void endFade(PictureOnScreen& shown) {
 void forgetReading(Pointer& pointer) {
   pointer.value.reset();
   pointer.still_since = WindowClock::now();
+  // A double click still waits for its answer, which the desk gives for the newest view.
   if (!pointer.centers) pointer.question.reset();
 }
 
@@ -67,6 +70,7 @@ void takeOpened(WindowState& window, std::unique_ptr<OpenedVolumeNews> news) {
   window.volume.news = std::move(news);
   const OpenedVolumeNews& opened = *window.volume.news;
   window.volume.ground = groundOf(opened.info);
+  // Undo does not lead back into another volume, whose views need not fit this one.
   window.history = History<ViewState>(opened.state);
   for (const std::string& line : dropFit(window, "another volume was opened first"))
     window.fail(line);
@@ -75,6 +79,8 @@ void takeOpened(WindowState& window, std::unique_ptr<OpenedVolumeNews> news) {
   window.pointer.centers = false;
   forgetReading(window.pointer);
   window.shown.picture = {};
+  // The texture of the last picture stays on the screen until the first one of this volume comes,
+  // so that the pane does not flash.
   endFade(window.shown);
   for (SliceOnScreen& slice : window.slices) slice.at = slice.time = -1;
   window.series.is_playing = false;
@@ -95,6 +101,8 @@ void takePlaced(WindowState& window, const PlacedNews& news) {
       window.fail(line);
     return;
   }
+  // The fit ends before its acts run, or afterFit() would queue them again. One of them may ask for
+  // a fit of its own, for which the rest then waits.
   Fit fit = std::move(*window.fit);
   window.fit.reset();
   window.edit([&](ViewState& next) { next.view = *news.view; });
@@ -105,11 +113,14 @@ void takePlaced(WindowState& window, const PlacedNews& news) {
 void takePicture(PictureOnScreen& shown, ShownPicture picture) {
   if (fadesIn(picture, shown.picture)) {
     shown.faded_in_from = WindowClock::now();
+    // The swap keeps the old picture without a copy. The texture that it gets in return is
+    // overwritten below.
     shown.before.swap(shown.texture);
   } else {
     endFade(shown);
   }
   shown.picture = std::move(picture);
+  // The texture owns the picture from here on: a second holder would keep it from the renderer.
   if (shown.picture.screen)
     shown.texture.show(*std::exchange(shown.picture.screen, std::nullopt));
   else if (shown.keeps_pixels)
@@ -190,10 +201,13 @@ std::string doingText(const DeskStatus& status, const ShownPicture& picture) {
 
 void takeNews(WindowState& window) {
   News news = window.desk.take();
+  // The status is read after the news, so that it is never older than they are.
   const int64_t seen_frames = window.status.frames_written;
   window.status = window.desk.status();
   if (news.opened) takeOpened(window, std::move(news.opened));
   if (news.state) window.change(*news.state);
+  // The volume comes first, since it drops the fit of the one before, whose news may be among
+  // these.
   if (news.placed) takePlaced(window, *news.placed);
   if (news.path) window.film.path = *news.path;
   for (const std::string& gone : news.vanished) {
@@ -232,6 +246,8 @@ void updateFade(WindowState& window) {
 }
 
 void notePresented(WindowState& window) {
+  // This runs after the swap alone, so that a frame that was put off still counts as new in the
+  // next turn.
   for (SliceOnScreen& slice : window.slices) slice.is_new = false;
   if (window.shown.faded_in_from && window.shown.share == 1) {
     endFade(window.shown);
@@ -242,6 +258,7 @@ void notePresented(WindowState& window) {
   const auto now = WindowClock::now();
   auto& unanswered = window.wishes.unanswered;
   std::vector<double>& answer_s = window.loop.times.answer_s;
+  // A picture answers all wishes up to its own, those included that were never drawn.
   while (!unanswered.empty() && unanswered.front().first <= picture.wish) {
     if (answer_s.size() < kMostTimes)
       answer_s.push_back(std::chrono::duration<double>(now - unanswered.front().second).count());
@@ -269,6 +286,7 @@ void sendWish(WindowState& window) {
   wish.showing_s = window.loop.showing_s;
   const auto rests_at = window.loop.nudged_at + kHandRests;
   const bool is_down = window.pointer.is_down;
+  // A wheel or a key gives no release, so that a hand counts as moving for a while after each.
   const bool moves = is_down || window.film.is_playing || WindowClock::now() < rests_at;
   if (window.series.is_playing) wish.next_time = (wish.state.time + 1) % window.info().time_steps;
   const std::optional<Wish>& sent = window.wishes.last;
@@ -287,6 +305,7 @@ void sendWish(WindowState& window) {
   window.wishes.number = number;
   const auto event_at = window.loop.event_at;
   if (!is_same) {
+    // Only a changed view counts: the wish that ends a drag has been answered by its last preview.
     window.wishes.unanswered.emplace_back(number, event_at);
     forgetReading(window.pointer);
   }

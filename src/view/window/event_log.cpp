@@ -25,11 +25,16 @@ EventLog::EventLog(const std::string& path) : path_(path) {
 
 void EventLog::write(const nlohmann::json& line) {
   if (!isOn()) return;
+  // Names of files need not be UTF-8, which JSON is. A replaced letter is better here than an
+  // exception in the middle of a frame.
   file_ << line.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) << '\n';
+  // Tests read the log while the window runs, and a crash must not take the last lines with it.
   file_.flush();
   if (file_.good()) return;
   const int error = errno;
   fault_ = fmt::format("{}: the window's log cannot be written: {}", path_, std::strerror(error));
+  // A full disk would fail again with each event. The fault is told once, and isOn() is false from
+  // here on.
   file_.close();
 }
 
@@ -46,6 +51,7 @@ void EventLog::control(const std::string& name, float x, float y, float width, f
   if (!isOn()) return;
   const auto whole = [](float value) { return static_cast<int>(std::lround(value)); };
   const std::array<int, 4> place{whole(x), whole(y), whole(width), whole(height)};
+  // Each frame reports all controls, and only those that moved are news.
   const auto known = controls_.find(name);
   if (known != controls_.end() && known->second == place) return;
   controls_[name] = place;

@@ -15,6 +15,7 @@ WindowClock::duration durationOf(double seconds) {
 void addKeyNow(WindowState& window) {
   ViewPath& path = window.film.path;
   path.kind = ViewPath::Kind::kKeys;
+  // A new key frame takes the pace of the one before it.
   path.keys.push_back(
       {window.state(), path.keys.empty() ? ViewKey{}.seconds : path.keys.back().seconds});
   window.log.write({{"keys", path.keys.size()}});
@@ -47,6 +48,7 @@ void playFilm(WindowState& window) {
   if (window.film.is_playing) return endFilm(window);
   if (!window.isOpen() || frameCount(window.film.path) == 0) return;
   window.afterFit([](WindowState& fitted) {
+    // The film sets the time step of each frame, and both at once would overwrite each other.
     fitted.series.is_playing = false;
     fitted.film.is_playing = true;
     fitted.film.began = WindowClock::now();
@@ -66,6 +68,7 @@ void showPlayedFrame(WindowState& window) {
     window.log.write({{"film", "ended"}});
     return endFilm(window);
   }
+  // Answers are timed from an event, and the clock is what moves the view here.
   if (frame != film.frame) window.loop.event_at = now;
   showFrame(window, frame);
   window.loop.wakeBy(film.began +
@@ -101,6 +104,7 @@ void playSeries(WindowState& window) {
   if (!was_seen && !hasFailed(window)) return;
   const auto now = WindowClock::now();
   const double waited = std::chrono::duration<double>(now - series.step_at).count();
+  // The rate is the most that the user wants. A step that took longer is followed at once.
   if (waited < 1 / series.steps_per_second)
     return window.loop.wakeBy(series.step_at + durationOf(1 / series.steps_per_second));
   // A moving mean; a pause of seconds begins a new one.
@@ -108,6 +112,7 @@ void playSeries(WindowState& window) {
   series.step_at = window.loop.event_at = now;
   ViewState next = window.state();
   next.time = (next.time + 1) % window.info().time_steps;
+  // A series that plays leaves no steps to undo.
   window.history.replace(next);
 }
 

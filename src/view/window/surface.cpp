@@ -21,12 +21,15 @@ namespace {
 constexpr uint64_t kMostSaid = 20;  // errors of OpenGL in the log
 
 [[noreturn]] void failOf(const std::string& what) {
+  // GLFW keeps the last error of each thread; without one the driver has said nothing.
   const char* said = nullptr;
   glfwGetError(&said);
   failSystem("{}{}; `sluice render` draws without a window", what,
              said != nullptr ? fmt::format(": {}", said) : "");
 }
 
+// GLFW calls back plain functions, so that the receiver of the events travels as the user pointer
+// of the window.
 Events& eventsOf(GLFWwindow* window) {
   return *static_cast<Events*>(glfwGetWindowUserPointer(window));
 }
@@ -54,9 +57,12 @@ GLFWwindow* makeWindow(const WindowRequest& request, float panel_width) {
   glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
   glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
   glfwWindowHint(GLFW_OPENGL_FORWARD_COMPAT, GLFW_TRUE);
+  // A debug context makes the driver check each call, which takes time, so only those who keep a
+  // log get it (hearDriver()).
   glfwWindowHint(GLFW_OPENGL_DEBUG_CONTEXT, request.log_file.empty() ? GLFW_FALSE : GLFW_TRUE);
   glfwWindowHint(GLFW_SCALE_TO_MONITOR, GLFW_TRUE);
   int width = request.settings.width, height = request.settings.height;
+  // --size means the pane, so that the window is wider by its panel.
   if (request.pane_width > 0) {
     width = request.pane_width + static_cast<int>(panel_width);
     height = request.pane_height;
@@ -70,6 +76,8 @@ void watchEvents(GLFWwindow* window, Events& events) {
   glfwSetWindowUserPointer(window, &events);
   double x = 0, y = 0;
   glfwGetCursorPos(window, &x, &y);
+  // The first movement is counted from the place where the pointer is now. Whole numbers are kept,
+  // as ImGui does, so that the steps of a drag add up to what ImGui sees.
   events.x = std::floor(x);
   events.y = std::floor(y);
   glfwSetCursorPosCallback(window, [](GLFWwindow* w, double to_x, double to_y) {
@@ -93,11 +101,16 @@ void watchEvents(GLFWwindow* window, Events& events) {
   glfwSetWindowFocusCallback(window, [](GLFWwindow* w, int focused) {
     add(w, {.kind = Kind::kFocus, .is_on = focused != 0});
   });
+  // A new size needs no entry in the queue: the next turn asks for it. The count alone ends the
+  // wait.
   glfwSetFramebufferSizeCallback(window, [](GLFWwindow* w, int, int) { ++eventsOf(w).count; });
+  // Parts of the window were uncovered. Nothing of ours has changed, so that only this flag makes
+  // present() copy the canvas again.
   glfwSetWindowRefreshCallback(window, [](GLFWwindow* w) {
     ++eventsOf(w).count;
     eventsOf(w).wants_refresh = true;
   });
+  // GLFW owns the names for the time of the call alone, so they are copied.
   glfwSetDropCallback(window, [](GLFWwindow* w, int count, const char** paths) {
     ++eventsOf(w).count;
     eventsOf(w).dropped.assign(paths, paths + count);
@@ -106,6 +119,8 @@ void watchEvents(GLFWwindow* window, Events& events) {
 
 void takeInput(GLFWwindow* window, Events& events, WindowState& state) {
   state.pointer.steps.clear();
+  // The queue gives as many events as one frame of ImGui can tell apart: a press and a release in
+  // one frame would be no click.
   for (const InputEvent& event : events.input.take()) {
     const int is_on = event.is_on ? GLFW_TRUE : GLFW_FALSE;
     switch (event.kind) {
@@ -117,6 +132,8 @@ void takeInput(GLFWwindow* window, Events& events, WindowState& state) {
         break;
       }
       case Kind::kButton:
+        // Buttons are kept here and handed over below. The backend samples the state of now
+        // instead, in which a short click is over already.
         if (event.code >= 0 && static_cast<size_t>(event.code) < events.is_down.size())
           events.is_down[static_cast<size_t>(event.code)] = event.is_on;
         break;
@@ -125,6 +142,7 @@ void takeInput(GLFWwindow* window, Events& events, WindowState& state) {
         break;
       case Kind::kKey:
         ImGui_ImplGlfw_KeyCallback(window, event.code, 0, is_on ? GLFW_PRESS : GLFW_RELEASE, 0);
+        // Tests press this key to learn that all events before it have been drawn.
         if (event.code == kEchoKey && !event.is_on) ++events.echoes;
         break;
       case Kind::kText:
@@ -151,8 +169,11 @@ GLFWwindow* lendContext(const WindowRequest& request, GLFWwindow* window) {
   glfwWindowHint(GLFW_VISIBLE, GLFW_FALSE);
   GLFWwindow* const lent = glfwCreateWindow(1, 1, "sluice", nullptr, window);
   glfwWindowHint(GLFW_VISIBLE, GLFW_TRUE);
+  // A driver may refuse a second context. The desk then sends pixels, as it does in software.
   if (lent == nullptr) return nullptr;
   ScreenContext screen;
+  // GLFW allows these two calls from any thread, as long as the context is current on one at a
+  // time. The renderer calls them on its own thread.
   screen.make_current = [lent] { glfwMakeContextCurrent(lent); };
   screen.release = [] { glfwMakeContextCurrent(nullptr); };
   screen.find = [](const char* name) { return reinterpret_cast<void*>(glfwGetProcAddress(name)); };
@@ -172,6 +193,8 @@ void hearDriver(WindowState& window) {
                        const void* to) {
     // Hints about performance are no errors.
     if (type != GL_DEBUG_TYPE_ERROR && type != GL_DEBUG_TYPE_UNDEFINED_BEHAVIOR) return;
+    // The state outlives the callback: the window switches debug output off before it lets go of
+    // the state.
     WindowState& heard_by = *static_cast<WindowState*>(const_cast<void*>(to));
     if (++heard_by.loop.times.gl_errors <= kMostSaid) heard_by.log.write({{"gl_message", words}});
   };
@@ -179,6 +202,7 @@ void hearDriver(WindowState& window) {
 }
 
 bool drawsInSoftware() {
+  // There is no question for this in OpenGL. Mesa names its two software drivers here.
   const GLubyte* const renderer = glGetString(GL_RENDERER);
   const std::string name = renderer == nullptr ? "" : reinterpret_cast<const char*>(renderer);
   return name.find("llvmpipe") != std::string::npos || name.find("softpipe") != std::string::npos;

@@ -67,18 +67,26 @@ class Window {
         state_(std::make_unique<WindowState>(request, [] { glfwPostEmptyEvent(); })) {
     const auto scale = static_cast<float>(request.settings.font_scale);
     window_ = makeWindow(request, kPanelWidth * scale);
+    // All OpenGL of the window happens on this thread. The context must be current before the first
+    // call, and hearDriver() comes first so that it hears the rest.
     glfwMakeContextCurrent(window_);
     hearDriver(*state_);
     is_software_ = drawsInSoftware();
     glfwSwapInterval(is_software_ ? 0 : 1);  // processors have no vertical blank
+    // The canvas loads its functions from the current context, so it cannot be a member with an
+    // initializer.
     canvas_.emplace();
     if (request.lend && (!is_software_ || request.lends_software))
       drawing_window_ = lendContext(request, window_);
+    // The canvas scales the picture itself in software, once for each picture (updateBackdrop()).
+    // OpenGL would filter the texture in each frame that draws it.
     state_->shown.keeps_pixels = is_software_;
     watchEvents(window_, events_);
     float density = 1, ignored = 1;
     glfwGetWindowContentScale(window_, &density, &ignored);
     ImGui::CreateContext();
+    // ImGui would write imgui.ini into the working directory. Our own settings file has what is
+    // kept.
     ImGui::GetIO().IniFilename = nullptr;
     ImGui::StyleColorsDark();
     chooseFont(density);
@@ -86,6 +94,8 @@ class Window {
     density_ = density;
     ImGui_ImplGlfw_InitForOpenGL(window_, false);  // takeInput gives it the events
     ImGui_ImplOpenGL3_Init("#version 330");
+    // The desk may wake the loop from here on. glfwPostEmptyEvent() is the one call of GLFW that
+    // any thread may make for this.
     request.tell_news([] { glfwPostEmptyEvent(); });
   }
   ~Window() {
@@ -106,10 +116,12 @@ class Window {
   Window& operator=(const Window&) = delete;
 
   void run() {
+    // The volume opens while the window already answers: the desk has a thread of its own.
     if (!request_.volume.paths.empty()) request_.desk->open(request_.volume, std::nullopt);
     while (glfwWindowShouldClose(window_) == 0 && !state_->wants_to_end &&
            !request_.is_asked_to_end())
       turn();
+    // A save that waits for a fit has not reached the desk yet, so that the desk cannot name it.
     for (const std::string& line : dropFit(*state_, "the window ended before its view was fitted"))
       state_->say(line);
     keepSettings();
@@ -127,10 +139,12 @@ class Window {
   // Runs one frame of the window; it waits in its first line and nowhere else.
   void turn() {
     double wait_s = frames_left_ > 0 ? kSettle_s : kIdle_s;
+    // Something is due at this time, such as the next frame of a film, which no event announces.
     if (state_->loop.wake_at)
       wait_s = std::clamp(
           std::chrono::duration<double>(*state_->loop.wake_at - WindowClock::now()).count(),
           kSettle_s, wait_s);
+    // Events that one frame could not take belong to the next one, which does not wait.
     if (events_.input.isEmpty())
       glfwWaitEventsTimeout(wait_s);
     else
@@ -145,12 +159,17 @@ class Window {
       seen_events_ = events_.count;
       window.loop.event_at = began;
     }
+    // Each turn asks anew for the time at which it needs the next one.
     window.loop.wake_at.reset();
     if (frames_left_ > 0) --frames_left_;
+    // News come before the panels are built, so that a picture is on the screen in the turn that
+    // takes it. A drop may replace the volume that the news were of.
     takeNews(window);
     if (!events_.dropped.empty()) openAny(window, std::exchange(events_.dropped, {}));
     playSeries(window);
     showPlayedFrame(window);
+    // The share of the fade belongs to this turn: the panels and the backdrop below draw the same
+    // one.
     updateFade(window);
     times.news_s = secondsSince(began);
     build();
@@ -161,6 +180,8 @@ class Window {
     times.gl_s = present();
     times.all_s = secondsSince(began);
     note(times);
+    // An echo tells that what came before it is on the screen, which is not so as long as the frame
+    // is put off.
     if (events_.echoes > echoed_ && !is_put_off_) {
       echoed_ = events_.echoes;
       window.log.write({{"echo", echoed_}});
@@ -170,6 +191,8 @@ class Window {
 
   void note(const TurnTimes& turn) {
     LoopTimes& times = state_->loop.times;
+    // Fonts, shaders and the first textures are made in these turns and would hide the longest
+    // later one.
     if (++times.turns <= kStartTurns) {
       start_s_ = std::max(start_s_, turn.all_s);
       return;
@@ -178,6 +201,7 @@ class Window {
       times.turn_s.push_back(turn.all_s);
       if (turn.gl_s > 0) times.gl_s.push_back(turn.gl_s);
     }
+    // Long turns are rare, and their parts tell which of them has waited.
     if (turn.all_s <= kStall_s) return;
     ++times.stalls;
     state_->log.write({{"long_turn_seconds", turn.all_s},
@@ -191,11 +215,14 @@ class Window {
   void build() {
     WindowState& window = *state_;
     ImGui_ImplOpenGL3_NewFrame();
+    // The order matters: takeInput() calls NewFrame() of the backend, which sets the size and time
+    // of the frame, and ImGui::NewFrame() reads what both have set.
     takeInput(window_, events_, window);
     ImGuiIO& io = ImGui::GetIO();
     io.FontGlobalScale = static_cast<float>(window.settings.font_scale);
     ImGui::NewFrame();
     window.pointer.is_down = ImGui::IsAnyMouseDown();
+    // A press begins a new step of undo, so that two drags in a row are taken back one by one.
     for (int button = 0; button < 3; ++button)
       if (ImGui::IsMouseClicked(button)) ++window.gesture;
     const float panel = std::min(kPanelWidth * density_ * io.FontGlobalScale, io.DisplaySize.x / 2);
@@ -220,15 +247,20 @@ class Window {
     is_put_off_ = false;
     int width = 0, height = 0;
     glfwGetFramebufferSize(window_, &width, &height);
+    // A minimized window may have no pixels to draw to.
     if (width == 0 || height == 0) return 0;
+    // The triangles are the same and the texture is not, which the comparison cannot see.
     if (window.shown.is_new) canvas_->noteRedrawn(window.shown.texture.id());
     if (is_software_) updateBackdrop();
     for (size_t axis = 0; axis < window.slices.size(); ++axis)
       if (window.slices[axis].is_new) canvas_->noteRedrawn(window.slices[axis].texture.id());
     ImDrawData& data = *ImGui::GetDrawData();
     const bool is_same = canvas_->compare(data, width, height).empty();
+    // A frame that looks like the one on the screen costs nothing: no drawing and no swap.
     if (is_same && !window.shown.is_new && !events_.wants_refresh) return 0;
     const bool has_more = !events_.input.isEmpty();  // the next frame replaces this one at once
+    // A frame of panels alone would take processor time from the picture that comes next, if OpenGL
+    // is software.
     const bool awaits_picture =
         is_software_ && !window.shown.is_new && !window.wishes.unanswered.empty();
     if ((has_more || awaits_picture) && began - presented_at_ < kWithPicture) {
@@ -241,9 +273,12 @@ class Window {
     while (glGetError() != GL_NO_ERROR && window.loop.times.gl_errors < 1'000'000)
       ++window.loop.times.gl_errors;
     glfwSwapBuffers(window_);
+    // The flag is cleared after the swap, so that a frame that was put off still refreshes.
     events_.wants_refresh = false;
     presented_at_ = WindowClock::now();
     const double took = std::chrono::duration<double>(presented_at_ - began).count();
+    // The desk gives previews this much less time (Wish::showing_s), because both share the
+    // processors.
     if (is_software_ && window.shown.is_new)
       window.loop.showing_s += (took - window.loop.showing_s) / kShowingMean;
     notePresented(window);
@@ -254,6 +289,8 @@ class Window {
   void updateBackdrop() {
     WindowState& window = *state_;
     const ShownPicture& picture = window.shown.picture;
+    // A step that could not be drawn leaves the pane empty, as does a volume before its first
+    // picture.
     if (!window.isOpen() || picture.rgba.empty()) return canvas_->dropBackdrop();
     const Pane& pane = window.pane;
     const bool is_same_pane = pane.width == shown_pane_.width && pane.height == shown_pane_.height;
@@ -280,6 +317,8 @@ class Window {
 
   void askForReport(WindowClock::time_point now) {
     WindowState& window = *state_;
+    // The counters change with every block that is read; a person cannot follow them faster than
+    // this.
     if (!window.isOpen() || now - reported_at_ < std::chrono::duration<double>(kReport_s)) return;
     reported_at_ = now;
     window.desk.wantReport(window.panels.shows_maps);

@@ -26,6 +26,7 @@ void saveStateNow(WindowState& window, const std::string& name) {
   const bool has_film = path != ViewPath{} && frameCount(path) > 0;
   window.desk.saveText(
       name,
+      // A frame of a film is no view of the user: the view behind it is saved.
       stateText(window.volume.news->volume, window.film.view.value_or(window.state()),
                 has_film ? std::optional(path) : std::nullopt),
       FileKind::kView);
@@ -41,6 +42,7 @@ WindowState::WindowState(const WindowRequest& given, const std::function<void()>
       dialog(wake) {}
 
 void WindowState::change(const ViewState& next) {
+  // Panels call this each frame that a control is active, most of them without a change.
   if (next == state()) return;
   // A value typed into a panel may be one that nothing can draw.
   if (const std::optional<ViewFault> fault = faultOf(next))
@@ -61,6 +63,7 @@ void WindowState::change(const ViewState& next) {
 
 void WindowState::say(const std::string& line) {
   messages.lines.push_front(line);
+  // The panel has room for a few lines. Standard output keeps them all.
   if (messages.lines.size() > kMostMessages) messages.lines.pop_back();
   if (request.say) request.say(line);
 }
@@ -79,6 +82,7 @@ void openPath(WindowState& window, const std::string& path) {
 
 void openAny(WindowState& window, const std::vector<std::string>& paths) {
   if (paths.empty()) return;
+  // No reader of volumes takes .json, so that the ending alone tells a view from a volume.
   if (paths.size() == 1 && std::filesystem::path(paths.front()).extension() == ".json")
     loadState(window, paths.front());
   else
@@ -87,6 +91,7 @@ void openAny(WindowState& window, const std::vector<std::string>& paths) {
 }
 
 void loadState(WindowState& window, const std::string& name) {
+  // A loaded view would otherwise be replaced by the fitted one that is still on its way.
   window.afterFit([name](WindowState& fitted) { fitted.desk.loadState(name); },
                   name + " is not loaded");
 }
@@ -108,11 +113,14 @@ void showFrom(WindowState& window, ViewOptions::From from) {
   // Saves that wait belong to the view that was asked for before, and so does a new projection.
   if (window.fit && !window.fit->waiting.empty())
     return window.afterFit([from](WindowState& fitted) { showFrom(fitted, from); });
+  // A frame of a film is no view to start from, and the end of the film would replace the named
+  // one.
   endFilm(window);
   ViewState next = window.state();
   const ViewOptions last = next.view;
   // Placed anew by the desk, so that the view fits what is visible.
   next.view = ViewOptions{};
+  // Eye, target and zoom are left out, so that the desk computes all of them.
   next.view.from = from;
   next.view.projection = last.projection;
   next.view.field_of_view_deg = last.field_of_view_deg;
@@ -127,6 +135,8 @@ std::vector<std::string> dropFit(WindowState& window, const std::string& why) {
   for (const WaitingAct& dropped : window.fit->waiting)
     if (!dropped.loss.empty()) lines.push_back(dropped.loss + ": " + why);
   window.fit.reset();
+  // The removal was among the waiting acts, and the rows of key frames are locked for as long as it
+  // waits.
   window.film.removes_key = false;
   return lines;
 }
@@ -144,6 +154,7 @@ void toggleProjection(WindowState& window) {
 void cutHere(WindowState& window) {
   window.afterFit([](WindowState& fitted) {
     ViewState next = fitted.state();
+    // The limit is checked here again, since several acts may have waited for one fit.
     if (next.clip_planes.size() >= kMostClipPlanes) return;
     const PlacedAxes axes = axesOf(next.view);
     const auto& target = next.view.look_at->target;
@@ -154,6 +165,8 @@ void cutHere(WindowState& window) {
 }
 
 void undo(WindowState& window) {
+  // Undo takes back the view that was asked for, not the one before, so it waits for the fit like a
+  // move.
   window.afterFit([](WindowState& fitted) { fitted.history.undo(); });
 }
 

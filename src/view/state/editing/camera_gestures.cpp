@@ -10,6 +10,8 @@ namespace sluice {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
+// The limits are closer than those of the option, so that a wheel cannot lead so far away that the
+// way back is not found.
 constexpr double kLeastZoomByHand = 1e-3, kMostZoomByHand = 1e5;
 
 Vec3d vec(const std::array<double, 3>& v) {
@@ -28,6 +30,7 @@ double distanceOf(const ViewOptions& view) {
 
 // `v` turned about the unit direction `axis`, counterclockwise as seen from its end.
 Vec3d rotated(Vec3d v, Vec3d axis, double angle) {
+  // This is the formula of Rodrigues.
   const double c = std::cos(angle), s = std::sin(angle);
   return v * c + cross(axis, v) * s + axis * (dot(axis, v) * (1 - c));
 }
@@ -77,6 +80,7 @@ Ground groundOf(const VolumeInfo& info) {
 PlacedAxes axesOf(const ViewOptions& view) {
   SLUICE_CHECK(view.look_at && view.up);
   const Vec3d back = normalized(vec(view.look_at->eye) - vec(view.look_at->target));
+  // `up` need not be across the view: only its part across it counts.
   const Vec3d right = normalized(cross(vec(*view.up), back));
   return {right, cross(back, right), back};
 }
@@ -112,6 +116,8 @@ ViewOptions orbit(const ViewOptions& view, double dx, double dy, Pane pane) {
   const PlacedAxes axes = axesOf(view);
   // The volume follows the pointer, so that the eye goes against it.
   const double across = -turnOf(dx, pane), down = -turnOf(dy, pane);
+  // The tilt comes first and the turn about the tilted up axis second, so that a drag never meets a
+  // pole.
   const Vec3d tilted = rotated(axes.back, axes.right, down);
   const Vec3d up = rotated(axes.up, axes.right, down);
   ViewOptions next = view;
@@ -132,6 +138,8 @@ ViewOptions turn(const ViewOptions& view, double degrees) {
 
 ViewOptions pan(const ViewOptions& view, double dx, double dy, Pane pane, const Ground& ground) {
   const PlacedAxes axes = axesOf(view);
+  // The depth of the target is what the pointer holds; points before and behind it move by more and
+  // less.
   const double pixel = worldPerPixel(view, pane, ground);
   return moved(view, axes.up * (dy * pixel) - axes.right * (dx * pixel));
 }
@@ -171,6 +179,7 @@ ViewOptions fly(const ViewOptions& view, double ahead, double right, double up,
 
 ViewOptions lookAround(const ViewOptions& view, double dx, double dy, Pane pane) {
   const PlacedAxes axes = axesOf(view);
+  // The pace is half of that of an orbit, since a turn of the eye moves the whole picture.
   const double across = -turnOf(dx, pane) / 2, down = -turnOf(dy, pane) / 2;
   const Vec3d tilted = rotated(axes.back, axes.right, down);
   ViewOptions next = view;
@@ -191,6 +200,8 @@ ViewOptions withProjection(const ViewOptions& view, ViewOptions::Projection proj
   const double half = worldPerPixel(view, pane, ground) * pane.height / 2;  // world, at the target
   ViewOptions next = view;
   next.projection = projection;
+  // The target keeps its size on the pane. The zoom of one projection means nothing in the other,
+  // so it becomes a distance, or the reverse.
   next.zoom = 1;
   const double unit = halfHeight(next, pane, ground);
   if (isPerspective(next)) {

@@ -14,6 +14,7 @@ namespace sluice {
 LookOptions::Channel& channelOf(LookOptions& look, std::string_view channel) {
   const auto known = std::ranges::find(look.channels, channel, &LookOptions::Channel::channel);
   if (known != look.channels.end()) return *known;
+  // A channel without options of its own has no entry until the first edit.
   return look.channels.emplace_back(LookOptions::Channel{.channel = std::string(channel)});
 }
 

@@ -29,6 +29,7 @@ LookOptions withoutOpacities(LookOptions look) {
 }  // namespace
 
 LookOptions withThreshold(LookOptions look, double threshold, std::array<double, 2> range) {
+  // This is asked before the threshold is removed with the other opacities.
   const bool is_ramp = look.threshold.has_value();
   look = withoutOpacities(std::move(look));
   look.threshold = threshold;
@@ -99,6 +100,7 @@ std::optional<size_t> pointAt(const OpacityPoints& points, std::array<double, 2>
   for (size_t i = 0; i < points.size(); ++i) {
     const double across = ((points[i].value - range[0]) / span - share) / reach_share;
     const double up = (heightOf(points[i].opacity) - height) / reach_height;
+    // The distance is measured in reaches, so that 1 is the edge of an ellipse around each point.
     const double far = across * across + up * up;
     if (far > least) continue;
     least = far;
@@ -125,6 +127,7 @@ void movePoint(OpacityPoints& points, size_t index, double value, double opacity
 }
 
 bool removePoint(OpacityPoints& points, size_t index) {
+  // A look of one point would be opaque or empty everywhere.
   if (points.size() <= 2 || index >= points.size()) return false;
   points.erase(points.begin() + static_cast<std::ptrdiff_t>(index));
   return true;

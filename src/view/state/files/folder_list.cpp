@@ -50,6 +50,7 @@ std::optional<Number> numberIn(const std::string& name) {
   size_t at = end;
   while (at > 0 && isDigit(name[at - 1])) --at;
   const std::string_view before = std::string_view(name).substr(0, at);
+  // "uint8" and "256x256x64" tell the form of a raw file and count no steps.
   if (at == end || before.ends_with("int") || before.ends_with("float")) return std::nullopt;
   if (before.size() > 1 && before.ends_with('x') && isDigit(before[before.size() - 2]))
     return std::nullopt;
@@ -70,6 +71,7 @@ std::vector<FolderEntry> joinedSeries(std::vector<std::string> names) {
     std::string name;
     Number number;
   };
+  // Names of a series agree in what stands before and behind the number.
   std::map<std::pair<std::string, std::string>, std::vector<Member>> series;
   std::vector<FolderEntry> entries;
   const auto addFile = [&](const std::string& name) { entries.push_back({name, name}); };
@@ -115,6 +117,7 @@ FolderList readFolder(const FolderQuestion& question, const std::stop_token& sto
     for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
       if (stop.stop_requested()) break;
       const std::string name = entry.path().filename().string();
+      // Hidden files are not offered; a path that is typed opens them anyway.
       if (name.starts_with('.')) continue;
       // The entry may be deleted between the listing and the question.
       std::error_code gone;
@@ -147,6 +150,7 @@ FolderReader::FolderReader(std::function<void()> on_list) : on_list_(std::move(o
 
 FolderReader::~FolderReader() {
   const MutexLock lock(mutex_);
+  // A reader that hangs on a network folder is not waited for longer than its current entry.
   stop_.request_stop();
 }
 
@@ -156,6 +160,8 @@ void FolderReader::ask(const FolderQuestion& question) {
   // An answer to the folder before is not wanted any more.
   stop_ = std::stop_source();
   list_.reset();
+  // The question is copied into the task, because the window changes its own while the folder is
+  // read.
   worker_.submit([this, number = ++asked_, question, stop = stop_.get_token()] {
     answer(number, question, stop);
   });

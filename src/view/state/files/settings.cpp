@@ -18,6 +18,8 @@ Settings readSettings(const std::filesystem::path& path) {
     const nlohmann::json document =
         parseJson(readTextFile(path, kMostBytes, "a window's settings"), where);
     const JsonField root(document, where);
+    // A size from a larger screen, or from a wrong hand, must not make a window that cannot be
+    // used.
     const auto within = [](int64_t value) {
       return static_cast<int>(std::clamp<int64_t>(value, 320, 16384));
     };
@@ -44,6 +46,7 @@ std::string settingsText(const Settings& settings) {
 }
 
 void noteRecent(Settings& settings, const std::string& path) {
+  // The newest is the first, and no volume is listed twice.
   std::erase(settings.recent, path);
   settings.recent.insert(settings.recent.begin(), path);
   if (settings.recent.size() > Settings::kMostRecent) settings.recent.resize(Settings::kMostRecent);

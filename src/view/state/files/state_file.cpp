@@ -249,6 +249,7 @@ void requireNoAngles(const JsonField& camera) {
 
 // `place`: of the object in the document, as a JSON pointer.
 ViewState stateOf(const JsonField& root, const std::string& where, const std::string& place) {
+  // Fields that a file leaves out have their defaults, not the values of the view that is shown.
   ViewState state;
   for (const OptionPart part : {OptionPart::kCamera, OptionPart::kLook}) {
     const auto field = root.find(kParts[static_cast<size_t>(part)]);

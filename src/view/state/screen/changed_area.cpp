@@ -39,6 +39,7 @@ ScreenArea areaOf(std::span<const Triangle> triangles) {
     const auto& [a, b, c] = triangle.corners;
     const ScreenArea box{std::min({a->x, b->x, c->x}), std::min({a->y, b->y, c->y}),
                          std::max({a->x, b->x, c->x}), std::max({a->y, b->y, c->y})};
+    // A triangle changes no pixel outside of its clip rectangle.
     area = hull(area, common(box, triangle.command->clip));
   }
   return area;
@@ -73,6 +74,7 @@ ScreenArea changedArea(const DrawnList& last, const DrawnList& now,
   const auto between = [&](const std::vector<Triangle>& all) {
     return areaOf(std::span(all).subspan(first, all.size() - first - ending));
   };
+  // The old triangles have to be cleared and the new ones drawn.
   return hull(between(before), between(after));
 }
 

@@ -13,6 +13,7 @@ bool joins(const InputEvent& last, const InputEvent& next) {
       return last.kind == Kind::kMove || (last.kind == Kind::kEnter && last.is_on);
     case Kind::kWheel:
       return last.kind == Kind::kWheel;
+    // A key that types comes with its text, in this order.
     case Kind::kText:
       return last.kind == Kind::kText || (last.kind == Kind::kKey && last.is_on);
     default:

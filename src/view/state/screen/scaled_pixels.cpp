@@ -56,6 +56,7 @@ void scalePixels(std::span<const uint8_t> rgba, int from_width, int from_height,
   SLUICE_CHECK_EQ(rgba.size(), from_pixels * 4);
   std::vector<uint32_t> from(from_pixels);
   std::memcpy(from.data(), rgba.data(), rgba.size());
+  // The order is changed before scaling, since a preview has fewer pixels than the pane.
   for (uint32_t& pixel : from) pixel = blueFirst(pixel);
   if (from_width == width && from_height == height) {
     bgra.swap(from);
@@ -69,6 +70,8 @@ void scalePixels(std::span<const uint8_t> rgba, int from_width, int from_height,
   for (const Place& place : rows) {
     const uint32_t* const first = &from[place.first * static_cast<size_t>(from_width)];
     const uint32_t* const second = &from[place.second * static_cast<size_t>(from_width)];
+    // Rows are mixed first, each once for the whole width, so that the inner loop over columns
+    // reads one row.
     for (size_t x = 0; x < row.size(); ++x) row[x] = between(first[x], second[x], place.share);
     for (const Place& column : columns)
       *to++ = between(row[column.first], row[column.second], column.share);

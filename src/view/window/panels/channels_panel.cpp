@@ -30,6 +30,7 @@ void showing(WindowState& window, const Channel& channel) {
   const double opacity = asked(window, channel).opacity.value_or(channel.opacity);
   bool shows = opacity > 0;
   if (ImGui::Checkbox("##shows", &shows)) {
+    // The opacity from before is no part of the view, so it is kept beside it and not saved.
     auto& before = window.panels.hidden_opacities;
     std::optional<double> next = 0.0;
     if (!shows)
@@ -51,6 +52,7 @@ void color(WindowState& window, const Channel& channel) {
 void range(WindowState& window, const Channel& channel) {
   const auto values = asked(window, channel).range.value_or(channel.range);
   auto lo = static_cast<float>(values[0]), hi = static_cast<float>(values[1]);
+  // A range of almost no width could otherwise never be widened again.
   const auto speed = std::max(std::abs(hi - lo) / 300, 1e-6F);
   ImGui::SetNextItemWidth(-1);
   if (ImGui::DragFloatRange2("##range", &lo, &hi, speed, 0, 0, "from %.5g", "to %.5g") && lo != hi)
@@ -65,6 +67,7 @@ void opacity(WindowState& window, const Channel& channel) {
   const double now = asked(window, channel).opacity.value_or(channel.opacity);
   auto shown = static_cast<float>(now);
   ImGui::SetNextItemWidth(-1);
+  // The slider would show a hidden channel again and contradict its box.
   ImGui::BeginDisabled(!(now > 0));
   if (ImGui::SliderFloat("##opacity", &shown, 0.001F, 1, "opacity %.3f",
                          ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp))
@@ -93,6 +96,7 @@ void combining(WindowState& window) {
 void channelsPanel(WindowState& window) {
   combining(window);
   for (const Channel& channel : window.volume.look.channels) {
+    // Names tell the rows apart even if channels come or go between two frames.
     ImGui::PushID(channel.channel.c_str());
     showing(window, channel);
     ImGui::SameLine();

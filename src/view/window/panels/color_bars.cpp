@@ -28,6 +28,7 @@ float widthOf(const std::string& words) {
   return ImGui::CalcTextSize(words.c_str()).x;
 }
 
+// A map of one value has no length to divide by (shareOf()).
 bool hasBar(const Colors& colors) {
   return colors.size() > 1 && colors.back().value > colors.front().value;
 }
@@ -70,6 +71,7 @@ std::vector<Row> rowsOf(const ShownLook& look) {
   std::vector<Row> rows;
   rows.reserve(look.channels.size());
   for (const ShownLook::Channel& channel : look.channels)
+    // Hidden channels and labels have no range of values that a bar could show.
     if (channel.opacity > 0 && !channel.labels && hasBar(channel.colors))
       rows.push_back({&channel, titleOf(channel), wordOf(channel.colors.front().value),
                       wordOf(channel.colors.back().value)});
@@ -95,6 +97,7 @@ RowWidths widthsOf(const std::vector<Row>& rows) {
 void channelBars(WindowState& window, const Area& area, ImDrawList& to) {
   const std::vector<Row> rows = rowsOf(window.volume.look);
   const float font = ImGui::GetFontSize(), row_height = font + 4;
+  // All rows share the widest texts, so that the bars lie below each other.
   const auto [name_width, lo_width, hi_width] = widthsOf(rows);
   const float right = area.x + area.width - 12, to_x = right - hi_width - kGap, x = to_x - kBar;
   float y = area.y + 12;
@@ -117,6 +120,8 @@ void channelBars(WindowState& window, const Area& area, ImDrawList& to) {
 }  // namespace
 
 float colorBarsLeft(const WindowState& window, const Area& area) {
+  // The readings in the upper left corner wrap before the bars, so that this must agree with what
+  // drawColorBars() draws.
   const float right = area.x + area.width;
   if (window.state().look.mode == LookOptions::Mode::kDepthMaximum) return right;
   const ShownLook& look = window.volume.look;

@@ -13,6 +13,8 @@ std::optional<std::string> colorField(const std::array<double, 3>& rgb) {
   if (!ImGui::ColorEdit3("##color", shown.data(),
                          ImGuiColorEditFlags_NoInputs | ImGuiColorEditFlags_NoLabel))
     return std::nullopt;
+  // The colour becomes a word of the command line at once, so that the printed command gives the
+  // same one.
   return colorWord(std::array<double, 3>{shown[0], shown[1], shown[2]});
 }
 

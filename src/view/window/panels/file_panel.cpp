@@ -10,6 +10,7 @@ namespace {
 // A name and a button for its action.
 bool named(WindowState& window, const char* id, const char* action, std::string& text) {
   ImGui::PushID(id);
+  // A negative width leaves this much room to the right, for the button and its frame.
   ImGui::SetNextItemWidth(-ImGui::CalcTextSize(action).x - 30);
   ImGui::InputText("##name", &text);
   window.log.control(std::string(id) + " name");
@@ -27,6 +28,8 @@ void filePanel(WindowState& window) {
   window.log.control("open");
   ImGui::SameLine();
   if (ImGui::Button("keys (?)")) window.panels.shows_help = true;
+  // Nothing can be saved before there is a picture. A view that names its volume can be opened with
+  // the dialog.
   if (!window.isOpen()) return;
   if (named(window, "picture", "save picture", window.panels.picture_file))
     savePicture(window, window.panels.picture_file);
@@ -53,6 +56,7 @@ void failuresWindow(WindowState& window) {
   window.log.control("failure", ImGui::GetWindowPos().x, ImGui::GetWindowPos().y,
                      ImGui::GetWindowWidth(), ImGui::GetWindowHeight());
   ImGui::End();
+  // The lines stay until the user has closed the window: a failure may come while nobody looks.
   if (!stays) window.messages.failures.clear();
 }
 

@@ -11,6 +11,8 @@
 namespace sluice {
 namespace {
 
+// The limits are those of a hand; a saved path may have others, which stay until the user moves the
+// field.
 constexpr float kLeastSeconds = 0.1F, kMostSeconds = 600, kLeastRate = 1, kMostRate = 120;
 
 void kinds(WindowState& window) {
@@ -24,6 +26,7 @@ void kinds(WindowState& window) {
 }
 
 void turn(WindowState& window) {
+  // ViewPath::kMostFrames fits into an int.
   int frames = static_cast<int>(window.film.path.turn_frames);
   ImGui::SetNextItemWidth(-1);
   if (ImGui::SliderInt("##turn", &frames, 1, 720, "%d frames around",
@@ -39,6 +42,7 @@ bool keyRow(WindowState& window, size_t number) {
   ImGui::PushID(static_cast<int>(number));
   if (ImGui::Button(fmt::format("{}##go", number + 1).c_str())) {
     window.afterFit([next = key.state](WindowState& fitted) mutable {
+      // The slices belong to the window and not to the film, as in stateAt().
       next.shows_slices = fitted.state().shows_slices;
       fitted.change(next);
     });
@@ -52,6 +56,7 @@ bool keyRow(WindowState& window, size_t number) {
     window.afterFit(
         [number](WindowState& fitted) {
           std::vector<ViewKey>& keys = fitted.film.path.keys;
+          // The row may be gone when the view is fitted.
           if (number < keys.size()) keys[number].state = fitted.state();
         },
         fmt::format("key frame {} does not take the view", number + 1));
@@ -62,6 +67,7 @@ bool keyRow(WindowState& window, size_t number) {
     auto seconds = static_cast<float>(key.seconds);
     if (ImGui::DragFloat("##seconds", &seconds, 0.05F, kLeastSeconds, kMostSeconds,
                          "%.1f s to the next", ImGuiSliderFlags_AlwaysClamp) &&
+        // ImGui does not clamp NaN, which a user can type.
         std::isfinite(seconds))
       key.seconds = static_cast<double>(seconds);
     window.log.control(fmt::format("seconds {}", number));
@@ -96,6 +102,8 @@ void preview(WindowState& window) {
   const FilmEditor& film = window.film;
   const int64_t frames = std::max<int64_t>(1, frameCount(film.path));
   ImGui::BeginDisabled(frameCount(film.path) == 0);
+  // The part behind ### is the identity of the button. Without it, a button whose label changes
+  // under the pointer would lose its press.
   if (ImGui::Button(film.is_playing ? "stop###play" : "play###play")) playFilm(window);
   window.log.control("play film");
   ImGui::SameLine();
@@ -104,6 +112,7 @@ void preview(WindowState& window) {
   ImGui::SetNextItemWidth(-60);
   if (ImGui::SliderScalar("##frame", ImGuiDataType_S64, &frame, &first, &last, "frame %lld",
                           ImGuiSliderFlags_AlwaysClamp)) {
+    // The slider holds the frame that it was moved to, against the clock of a film that plays.
     window.film.is_playing = false;
     window.afterFit([frame](WindowState& fitted) { showFrame(fitted, frame); });
   }

@@ -10,6 +10,7 @@ namespace {
 struct Line {
   const char *keys, *does;
 };
+// Keys are read in keys.cpp and picture_pane.cpp; a key that is added there needs its line here.
 constexpr std::array<Line, 31> kLines = {{
     {"drag", "turn the volume"},
     {"Shift drag, middle drag", "move it"},

@@ -15,6 +15,7 @@ namespace {
 constexpr double kTurn = 24;  // pixels of a drag that an arrow stands for, of a pane of 800
 constexpr double kFlight = 0.04;
 
+// Keys that are held repeat, so that an arrow goes on turning.
 bool pressed(int key) {
   return ImGui::IsKeyPressed(key);
 }
@@ -35,15 +36,19 @@ void files(WindowState& window, const ImGuiIO& io) {
       savePicture(window, window.panels.picture_file);
   }
   if (pressed(GLFW_KEY_F)) writeFilm(window);
+  // The loop ends after this turn, so that the settings and the log are still written.
   if (pressed(GLFW_KEY_Q)) window.wants_to_end = true;
   if (pressed(GLFW_KEY_EQUAL) || pressed(GLFW_KEY_KP_ADD)) window.settings.font_scale *= 1.1;
   if (pressed(GLFW_KEY_MINUS) || pressed(GLFW_KEY_KP_SUBTRACT)) window.settings.font_scale /= 1.1;
+  // The settings file has the same limits: a font that cannot be read would be there again at the
+  // next start.
   window.settings.font_scale = std::clamp(window.settings.font_scale, 0.5, 4.0);
 }
 
 void camera(WindowState& window, const ImGuiIO& io) {
   const Pane pane = window.pane;
   const Ground ground = window.volume.ground;
+  // An arrow turns by the same angle in a pane of any size, since a drag is measured by the pane.
   const double turn = kTurn * std::min(pane.width, pane.height) / 800;
   const auto held = [&](int key, auto&& move) {
     if (pressed(key)) window.moveView(move);
@@ -87,10 +92,12 @@ void look(WindowState& window, const ImGuiIO& io) {
     const double by = (io.KeyShift ? -0.01 : 0.01) * (all[1] - all[0]);
     next.look = withThreshold(next.look, std::clamp(now + by, all[0], all[1]), all);
   }
+  // The table of options has the modes, so that a new one joins the round by itself.
   const auto modes = static_cast<int>(optionEntry("--mode").kind.words.size());
   if (pressed(GLFW_KEY_M))
     next.look.mode = static_cast<LookOptions::Mode>((static_cast<int>(next.look.mode) + 1) % modes);
   if (pressed(GLFW_KEY_L))
+    // A look without the option may be lit or not, so the key goes by what the picture shows.
     next.look.light = window.volume.look.lit ? LookOptions::Light::kOff : LookOptions::Light::kOn;
   if (pressed(GLFW_KEY_G))
     next.look.full_gradient = next.look.full_gradient ? std::nullopt : std::optional<double>(0.1);
@@ -122,6 +129,8 @@ void look(WindowState& window, const ImGuiIO& io) {
     }
   }
   if (pressed(GLFW_KEY_V)) next.shows_slices = !next.shows_slices;
+  // One change for all keys of a frame is one step of undo. A cut waits for a fit and so makes its
+  // own.
   window.change(next);
   if (pressed(GLFW_KEY_C)) cutHere(window);
 }
@@ -133,6 +142,7 @@ void series(WindowState& window) {
   ViewState next = window.state();
   if (pressed(GLFW_KEY_COMMA)) next.time = (next.time + steps - 1) % steps;
   if (pressed(GLFW_KEY_PERIOD)) next.time = (next.time + 1) % steps;
+  // Steps of a series are no steps to undo: the way back would lead through all that were played.
   if (next.time != window.state().time) window.history.replace(next);
 }
 
@@ -141,6 +151,7 @@ void film(WindowState& window, const ImGuiIO& io) {
   if (!pressed(GLFW_KEY_K)) return;
   if (!io.KeyShift) return addKey(window);
   window.afterFit([](WindowState& fitted) {
+    // A frame that is shown belongs to the path with the key that goes.
     endFilm(fitted);
     if (!fitted.film.path.keys.empty()) fitted.film.path.keys.pop_back();
   });

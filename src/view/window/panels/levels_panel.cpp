@@ -47,6 +47,7 @@ void squares(size_t count, size_t columns, const Color& color) {
     const float gap = side > 3 ? 1 : 0;
     to.AddRectFilled({x, y}, {x + side - gap, y + side - gap}, color(i));
   }
+  // Drawing into the list takes no room in the panel, so an empty item of this size does.
   ImGui::Dummy({width, side * std::ceil(static_cast<float>(count) / static_cast<float>(columns))});
 }
 
@@ -61,6 +62,7 @@ ImU32 chunkColor(uint32_t chunk) {
 
 void pagesMap(const RenderReport& report) {
   ImGui::TextDisabled("pages of the texture cache, a colour a chunk");
+  // A texture cache may have millions of pages, and each square is two triangles in each frame.
   constexpr size_t kMost = 8192;
   const size_t count = std::min(report.page_chunks.size(), kMost);
   const size_t columns = count > 1024 ? 96 : 48;
@@ -70,6 +72,7 @@ void pagesMap(const RenderReport& report) {
 void blocksMap(WindowState& window) {
   const RenderReport& report = window.volume.report;
   const auto& grid = report.block_grid;
+  // The first report with maps comes a moment after the box is ticked.
   if (report.block_classes.empty()) return;
   // The layer that the cross hair is in.
   const int64_t layer = std::clamp<int64_t>(

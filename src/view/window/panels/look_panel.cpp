@@ -20,6 +20,7 @@ void thresholdSlider(WindowState& window) {
       threshold = point.value;
     }
   ImGui::SetNextItemWidth(-1);
+  // Doubles hold every value of 32-bit voxels, which floats do not.
   if (ImGui::SliderScalar("##threshold", ImGuiDataType_Double, &threshold, &range[0], &range[1],
                           look.threshold ? "threshold %.5g" : "threshold (%.5g)"))
     window.edit([&](ViewState& next) { next.look = withThreshold(next.look, threshold, range); });
@@ -54,6 +55,8 @@ void modes(WindowState& window) {
 
 void maps(WindowState& window) {
   const LookOptions& look = window.state().look;
+  // The map that is shown may be chosen by the library, so it comes from the printed look and not
+  // from the state.
   const std::string shown = wordAfter(window.volume.look.options, "--map");
   ImGui::SetNextItemWidth(-1);
   if (ImGui::BeginCombo("##map", ("colours " + (shown.empty() ? "of the file" : shown)).c_str())) {
@@ -94,6 +97,8 @@ void newSurface(WindowState& window) {
 }
 
 void light(WindowState& window) {
+  // The light of an automatic look is the library's choice: the box shows the picture, and a click
+  // makes the choice the user's.
   bool is_lit = window.volume.look.lit;
   if (ImGui::Checkbox("light", &is_lit))
     window.edit([&](ViewState& next) {
@@ -123,6 +128,7 @@ void windowAndLevel(WindowState& window) {
   const auto span = static_cast<float>(all[1] - all[0]);
   auto lo = static_cast<float>(range[0]), hi = static_cast<float>(range[1]);
   ImGui::SetNextItemWidth(-1);
+  // The fields have no limits: a window may reach beyond the values, as one of a CT often does.
   if (ImGui::DragFloatRange2("##window", &lo, &hi, span / 300, 0, 0, "window %.5g", "to %.5g") &&
       lo != hi) {
     window.edit([&](ViewState& next) {
@@ -144,6 +150,7 @@ void lookPanel(WindowState& window) {
   lightAround(window);
   ImGui::SameLine();
   newSurface(window);
+  // A look without options is the one that the library chooses.
   if (ImGui::Button("chosen look")) {
     window.edit([&](ViewState& next) { next.look = LookOptions{}; });
   }

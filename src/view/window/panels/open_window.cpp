@@ -39,6 +39,7 @@ void goTo(WindowState& window, std::string folder) {
   dialog.list.failure.clear();
   dialog.asked = question;
   dialog.typed.clear();
+  // A selection is an index into the list, which the answer replaces.
   dialog.selected = -1;
   dialog.reader.ask(question);
 }
@@ -68,6 +69,7 @@ std::string parentOf(const FolderDialog& dialog) {
 
 // Opens the typed path or the entry, as a volume or a view.
 void openIt(WindowState& window, const std::string& path) {
+  // The field is empty when the dialog comes back, whatever becomes of the file.
   window.dialog.typed.clear();
   openAny(window, {path});
 }
@@ -87,6 +89,7 @@ std::string typedPath(const FolderDialog& dialog) {
 
 std::vector<const FolderEntry*> shownEntries(const FolderDialog& dialog) {
   std::vector<const FolderEntry*> shown;
+  // A path that is typed names one file and must not filter the list by its slashes.
   const bool filters = !dialog.typed.empty() && !isPath(dialog.typed);
   for (const FolderEntry& entry : dialog.list.entries)
     if (!filters || holds(entry.name, dialog.typed)) shown.push_back(&entry);
@@ -100,6 +103,7 @@ void keys(WindowState& window, const std::vector<const FolderEntry*>& shown) {
     dialog.selected = std::min(dialog.selected + 1, last);
   if (ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_UpArrow)))
     dialog.selected = std::max(dialog.selected - 1, std::min(0, last));
+  // Backspace belongs to the field as long as it has letters.
   const bool is_empty = dialog.typed.empty();
   if (is_empty && ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Backspace)) &&
       !parentOf(dialog).empty())
@@ -154,6 +158,7 @@ void nameLine(WindowState& window, const std::vector<const FolderEntry*>& shown)
   const bool is_entered =
       ImGui::InputTextWithHint("##path", "a part of a name, a path, a pattern (step_%03d.nrrd)",
                                &dialog.typed, ImGuiInputTextFlags_EnterReturnsTrue);
+  // The filter has changed, and with it what the index means.
   if (ImGui::IsItemEdited()) dialog.selected = -1;
   window.log.control("path");
   ImGui::SameLine();
@@ -204,6 +209,8 @@ void openWindow(WindowState& window) {
     if (ImGui::Checkbox("series as one", &dialog.joins_series)) goTo(window, folderOf(dialog));
     window.log.control("series as one");
     ImGui::TextWrapped("%s", folderOf(dialog).c_str());
+    // The entries are asked for again each time, since the lines above may have gone to another
+    // folder.
     nameLine(window, shownEntries(dialog));
     entries(window, shownEntries(dialog));
     recentOnes(window);

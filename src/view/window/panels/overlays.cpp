@@ -24,6 +24,7 @@ std::string unitOf(const VolumeInfo& info) {
 void axes(const WindowState& window, const Area& area, ImDrawList& to) {
   const PlacedAxes view = axesOf(window.shown.picture.state.view);
   const std::string& frame = window.info().frame;
+  // The letters of a patient's directions are shown only if the file says what its axes mean.
   const bool knows = frame == "RAS" || frame == "LPS";
   constexpr std::array kPlain{"x", "y", "z"};
   constexpr std::array kColors{IM_COL32(240, 100, 90, 255), IM_COL32(110, 210, 110, 255),
@@ -96,6 +97,7 @@ void drawOverlays(WindowState& window, const Area& area, float pixels) {
   if (was_saved) {
     overlayText(to, {area.x + 10, below + 4}, window.messages.saved, IM_COL32(150, 230, 150, 255),
                 kLarge, wrap);
+    // No event tells that the message has had its time.
     window.loop.wakeBy(window.messages.saved_until);
   }
   if (!has_picture) return;

@@ -60,6 +60,8 @@ void drag(WindowState& window, PanePoint by, float pixels) {
 void hover(WindowState& window, const Area& area) {
   Pointer& pointer = window.pointer;
   const ImVec2 at = ImGui::GetIO().MousePos;
+  // A pointer that moves has no value: a probe may read blocks, and the hand is faster than the
+  // disk.
   if (at.x != pointer.x || at.y != pointer.y) {
     pointer.x = at.x;
     pointer.y = at.y;
@@ -76,6 +78,7 @@ void hover(WindowState& window, const Area& area) {
   const bool is_newest = shown.wish == window.wishes.number;
   if (!shown.is_complete || !is_newest) return;  // its news will wake us
   pointer.still_since = {};
+  // A double click has asked for this place, and a second question would replace the first.
   if (window.pointer.centers) return;
   window.pointer.question =
       window.desk.probe((at.x - area.x) / area.width, (at.y - area.y) / area.height);
@@ -89,6 +92,8 @@ void picturePane(WindowState& window, const Area& area, float pixels) {
                  std::max(1, static_cast<int>(std::lround(area.height * pixels)))};
   ImGui::SetNextWindowPos({area.x, area.y});
   ImGui::SetNextWindowSize({area.width, area.height});
+  // The pane is a window of ImGui, so that panels in front of it keep their own clicks. Without
+  // padding and border, its pixels are the pixels of the picture.
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, ImVec2(0, 0));
   ImGui::PushStyleVar(ImGuiStyleVar_WindowBorderSize, 0);
   ImGui::Begin("picture", nullptr,
@@ -101,6 +106,8 @@ void picturePane(WindowState& window, const Area& area, float pixels) {
   if (shown.texture.id() != nullptr && window.isOpen()) {
     ImDrawList& to = *ImGui::GetWindowDrawList();
     const bool fades = shown.share < 1 && shown.before.id() != nullptr;
+    // The coarser picture stays opaque under the finer one. If both were translucent, the
+    // background would show through.
     if (fades) to.AddImage(shown.before.id(), lo, hi);
     const auto alpha = static_cast<int>(std::lround(255 * (fades ? shown.share : 1)));
     to.AddImage(shown.texture.id(), lo, hi, {0, 0}, {1, 1}, IM_COL32(255, 255, 255, alpha));
@@ -120,9 +127,11 @@ void picturePane(WindowState& window, const Area& area, float pixels) {
       pointer.centers = true;
       pointer.question = window.desk.probe((io.MousePos.x - area.x) / area.width,
                                            (io.MousePos.y - area.y) / area.height);
+      // The second press of a double click is no drag.
       pointer.does = Does::kNothing;
     } else if (ImGui::IsItemActivated()) {
       pointer.does = doesOf(io);
+      // The handle is found at the press and kept, since the box moves away under a fast pointer.
       pointer.handle = boxHandleAt(window, area, pixels, io.MousePos.x, io.MousePos.y);
       if (pointer.handle >= 0 && pointer.does == Does::kOrbit) pointer.does = Does::kHandle;
     }

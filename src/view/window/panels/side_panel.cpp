@@ -22,6 +22,7 @@ void section(WindowState& window, const char* name, bool is_open, void (*panel)(
   const bool shown = ImGui::CollapsingHeader(name);
   window.log.control(std::string("section ") + name);
   if (!shown) return;
+  // Sections have items of the same names, such as "##opacity", which must differ for ImGui.
   ImGui::PushID(name);
   panel(window);
   ImGui::PopID();

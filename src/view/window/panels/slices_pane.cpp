@@ -58,6 +58,8 @@ void slice(WindowState& window, size_t axis, const Area& area) {
   const auto extent = [&](size_t a) {
     return static_cast<float>(info.spacing[a] * static_cast<double>(info.dims[a]));
   };
+  // Slices have the proportions of the world, so that voxels that are not cubes are not shown as
+  // squares.
   const float scale = std::min(area.width / extent(across), area.height / extent(down));
   const ImVec2 size{extent(across) * scale, extent(down) * scale};
   const ImVec2 lo{area.x + (area.width - size.x) / 2, area.y + (area.height - size.y) / 2};
@@ -118,6 +120,8 @@ void slicesPane(WindowState& window, const Area& area) {
                ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove |
                    ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoBringToFrontOnFocus |
                    ImGuiWindowFlags_NoScrollWithMouse);
+  // Each slice sets the value if the pointer is over it, so that it is gone when the pointer
+  // leaves.
   const auto before = std::exchange(window.pointer.slice_value, std::nullopt);
   const float width = area.width / 3;
   // Axial, coronal, sagittal.

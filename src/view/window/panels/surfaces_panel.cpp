@@ -11,6 +11,7 @@ namespace {
 // Whether the surface is to go.
 bool row(WindowState& window, size_t index) {
   const LookOptions::Surface surface = window.state().look.surfaces[index];
+  // The surface is a copy: the edit changes the state that the panel reads.
   const auto edit = [&](const auto& change) {
     window.edit([&](ViewState& next) { change(next.look.surfaces[index]); });
   };

@@ -16,6 +16,7 @@ void timePanel(WindowState& window) {
                           ImGuiSliderFlags_AlwaysClamp)) {
     ViewState next = window.state();
     next.time = time;
+    // The step is no change to undo, as with the keys.
     window.history.replace(next);
   }
   window.log.control("time");
@@ -31,6 +32,7 @@ void timePanel(WindowState& window) {
     window.series.steps_per_second = static_cast<double>(rate);
   if (!window.series.is_playing || window.series.achieved_steps <= 0)
     return ImGui::TextDisabled(" ");  // keeps the following items in place
+  // A tenth less is within what the clock of the loop allows.
   if (window.series.achieved_steps < 0.9 * window.series.steps_per_second)
     ImGui::TextColored({1, 0.8F, 0.4F, 1}, "%s",
                        fmt::format("too slow: {:.1f} of {:.1f} steps a second",

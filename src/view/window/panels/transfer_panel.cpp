@@ -21,6 +21,8 @@ struct Plot {
     return range[1] > range[0] ? (value - range[0]) / (range[1] - range[0]) : 0.5;
   }
   ImVec2 at(double value, double height) const {
+    // Points may lie far outside of the range. Lines to them end beyond the edges of the plot,
+    // since the screen's floats do not reach so far.
     return {lo.x + static_cast<float>(std::clamp(shareOf(value), -1.0, 2.0)) * size.x,
             lo.y + (1 - static_cast<float>(height)) * size.y};
   }
@@ -39,6 +41,7 @@ void drawHistogram(const WindowState& window, const Plot& plot, ImDrawList& to) 
   for (const uint64_t count : histogram.counts) most = std::max(most, count);
   const auto shown = [&](uint64_t count) {
     const auto c = static_cast<double>(count), m = static_cast<double>(most);
+    // The background of a volume has most of its voxels, so that linear counts show little else.
     return window.panels.is_log_histogram ? std::log1p(c) / std::log1p(m) : c / m;
   };
   const auto bins = static_cast<double>(histogram.counts.size());
@@ -47,6 +50,7 @@ void drawHistogram(const WindowState& window, const Plot& plot, ImDrawList& to) 
     if (histogram.counts[i] == 0) continue;
     const double value = histogram.lo + width * static_cast<double>(i);
     const ImVec2 top = plot.at(value, shown(histogram.counts[i]));
+    // A bin is at least a pixel wide, or sparse histograms would vanish.
     const float right = plot.at(value + width, 0).x;
     to.AddRectFilled(top, {std::max(right, top.x + 1), plot.lo.y + plot.size.y},
                      IM_COL32(110, 120, 135, 255));
@@ -86,6 +90,7 @@ void edit(WindowState& window, const Plot& plot) {
   const double value = plot.valueAt(mouse.x), height = plot.heightAt(mouse.y);
   const bool takes = ImGui::IsItemHovered() && ImGui::IsMouseClicked(ImGuiMouseButton_Left);
   const bool removes = ImGui::IsItemHovered() && ImGui::IsMouseClicked(ImGuiMouseButton_Right);
+  // A click that does not move must not move the point, so that a drag begins after a pixel.
   const bool drags = window.pointer.point && ImGui::IsMouseDragging(ImGuiMouseButton_Left, 1);
   if (!ImGui::IsMouseDown(ImGuiMouseButton_Left)) window.pointer.point.reset();
   if (!takes && !removes && !drags) return;
@@ -100,6 +105,7 @@ void edit(WindowState& window, const Plot& plot) {
     if (near) removePoint(points, *near);
   } else if (takes) {
     window.pointer.point = near ? *near : addPoint(points, value, opacityAtHeight(height));
+    // Undo may have taken points away during the drag.
   } else if (*window.pointer.point < points.size()) {
     movePoint(points, *window.pointer.point, value, opacityAtHeight(height));
   }
@@ -114,6 +120,8 @@ void transferPanel(WindowState& window) {
   plot.lo = ImGui::GetCursorScreenPos();
   plot.size = {ImGui::GetContentRegionAvail().x, kHeight * ImGui::GetIO().FontGlobalScale};
   plot.range = window.valueRange();
+  // The button makes the plot an item, so that ImGui gives it the clicks and does not scroll or
+  // move the panel with them.
   ImGui::InvisibleButton("transfer", {plot.size.x, plot.size.y + 12},
                          ImGuiButtonFlags_MouseButtonLeft | ImGuiButtonFlags_MouseButtonRight);
   window.log.control("transfer", plot.lo.x, plot.lo.y, plot.size.x, plot.size.y);
@@ -124,6 +132,7 @@ void transferPanel(WindowState& window) {
                    IM_COL32(28, 29, 32, 255));
   drawHistogram(window, plot, to);
   drawColors(window, plot, to);
+  // Any look shows its opacities as points; the state has none until the first edit.
   OpacityPoints points = window.state().look.opacities;
   if (points.empty())
     for (const ShownLook::Opacity& point : window.volume.look.opacities)
@@ -138,6 +147,7 @@ void transferPanel(WindowState& window) {
   ImGui::SameLine();
   if (ImGui::Button("load") && !window.panels.transfer_file.empty()) {
     ViewState next = window.state();
+    // A file stands beside none of these (optionsApart()), and they would hide what it has.
     next.look.threshold.reset();
     next.look.opacities.clear();
     next.look.labels = false;

@@ -43,6 +43,8 @@ void projection(WindowState& window) {
 }
 
 void step(WindowState& window) {
+  // An unset step follows the view and the levels that are shown. A number would stay when they
+  // change.
   bool is_chosen = !window.state().step_vox;
   if (ImGui::Checkbox("chosen step", &is_chosen)) {
     window.edit(
@@ -60,6 +62,7 @@ void step(WindowState& window) {
 }
 
 void background(WindowState& window) {
+  // Without a background, saved pictures keep their alpha, which no colour can stand for.
   bool has = window.state().background.has_value();
   if (ImGui::Checkbox("background", &has)) {
     window.edit([&](ViewState& next) {
