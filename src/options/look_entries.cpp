@@ -47,6 +47,7 @@ std::vector<OptionEntry> lookEntries() {
                               .is_rare = true,
                               .turn = 8,
                               .kind = {Form::kNumber, {0, 1000}},
+                              .unset = 0.05,
                               .value = "A",
                               .help = "--mode attenuated-mip: a voxel length at the top of --range "
                                       "dims values behind it by "

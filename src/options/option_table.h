@@ -109,6 +109,9 @@ struct EntryOf {
   bool is_rare = false;  // left out of --help, but not of --help-all, of the commands that draw
   int turn = 0;          // printed commands have options in ascending order of turns
   OptionKind kind = {};
+  // The value that stands for none, so that films can go from it to another one; nullopt: none has
+  // a meaning of its own, or follows from the view or the volume.
+  std::optional<OptionValue> unset = {};
   std::string_view value = {};  // the value's name in --help; empty if the words are listed
   std::string_view help = {};   // the line of --help; empty if the command line words it
   // Whether views are saved with the option, and whether commands are printed with one that is

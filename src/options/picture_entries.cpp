@@ -66,6 +66,7 @@ std::vector<OptionEntry> pictureEntries() {
                             .is_rare = true,
                             .turn = 46,
                             .kind = bare_share,
+                            .unset = 0.0,
                             .value = "SHARE",
                             .help = "Moves the samples of each ray by up to half their distance "
                                     "(--jitter=SHARE: by less), "
@@ -80,6 +81,7 @@ std::vector<OptionEntry> pictureEntries() {
           .is_rare = true,
           .turn = 47,
           .kind = {Form::kAngles, {-36000, 36000}, "degrees"},
+          .unset = OptionReals{-22, 29},
           .value = "AZIMUTH,ELEVATION",
           .help =
               "Where the key light of lit pictures comes from: degrees to the viewer's right and "
@@ -93,6 +95,7 @@ std::vector<OptionEntry> pictureEntries() {
           .is_rare = true,
           .turn = 48,
           .kind = share,
+          .unset = 0.3,
           .value = "SHARE",
           .help = "Share of the colour that lit samples show in any light (0.3)",
           .is_printed = mayBeLit}),
@@ -104,6 +107,7 @@ std::vector<OptionEntry> pictureEntries() {
           .is_rare = true,
           .turn = 49,
           .kind = share,
+          .unset = 0.65,
           .value = "SHARE",
           .help = "Share of the colour that a surface shows facing a light (0.65)",
           .is_printed = mayBeLit}),
@@ -114,6 +118,7 @@ std::vector<OptionEntry> pictureEntries() {
                                .is_rare = true,
                                .turn = 50,
                                .kind = share,
+                               .unset = 0.2,
                                .value = "SHARE",
                                .help = "Brightness of highlights (0.2)",
                                .is_printed = mayBeLit}),
@@ -124,6 +129,7 @@ std::vector<OptionEntry> pictureEntries() {
                               .is_rare = true,
                               .turn = 51,
                               .kind = bare_share,
+                              .unset = 0.0,
                               .value = "SHARE",
                               .help = "Matter casts shadows in the key light of lit pictures; "
                                       "--shadows=SHARE, 0 to 1, takes "
@@ -137,6 +143,7 @@ std::vector<OptionEntry> pictureEntries() {
                                 .is_rare = true,
                                 .turn = 52,
                                 .kind = bare_share,
+                                .unset = 0.0,
                                 .value = "SHARE",
                                 .help = "Darkens pits and gaps in lit pictures: matter around a "
                                         "place keeps other light away (ambient occlusion); "
@@ -150,6 +157,7 @@ std::vector<OptionEntry> pictureEntries() {
           .is_rare = true,
           .turn = 53,
           .kind = bare_share,
+          .unset = 0.0,
           .value = "SHARE",
           .help = "Darkens distant parts, lit or not, the farthest visible part to black; "
                   "--depth-cueing=SHARE, 0 to 1, darkens it by that share (1)",

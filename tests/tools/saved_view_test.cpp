@@ -199,6 +199,16 @@ TEST_F(SavedView, framesKeepTheRestOfTheirLooks) {
               HasSubstr("film.json: with --threshold, --opacity in place"));
 }
 
+TEST_F(SavedView, numbersThatJumpAreNamed) {
+  write("film.json", filmOf(R"("step": 1)", R"("crop": [0, 0, 0, 9, 9, 9])", "500, 0, 0"));
+  const std::string line =
+      "render " + std::string(kStateVolume) + " --device cpu --size 32 --state film.json --force ";
+  EXPECT_THAT(program_.run(line + "-o f_%d.png").output,
+              HasSubstr("warning: film.json: /step, /crop: set in some key frames only"));
+  EXPECT_THAT(program_.run(line + "-o f_%d.png --step 1 --crop 0,0,0,9,9,9").output,
+              testing::Not(HasSubstr("key frames only")));
+}
+
 TEST_F(SavedView, looksOfKeysAreCheckedBeforeTheFirstFrame) {
   for (const auto& [look, said] : std::vector<std::pair<std::string, std::string>>{
            {R"("transfer": "none.json")", "none.json: cannot be read"},

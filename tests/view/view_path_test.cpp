@@ -1,8 +1,11 @@
 #include "src/view/state/view_path.h"
 
 #include <gtest/gtest.h>
+#include <sluice/renderer.h>
+#include <sluice/volume.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <optional>
@@ -10,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "src/options/option_rules.h"
 #include "src/options/option_table.h"
 #include "src/view/state/editing/camera_gestures.h"
 
@@ -307,6 +311,81 @@ TEST(ViewPath, namesItsFileBesideTheFrames) {
   EXPECT_TRUE(isNumbered("a/b_%03d.png"));
   EXPECT_TRUE(isNumbered("b_##.png"));
   EXPECT_FALSE(isNumbered("50%/b.png"));
+}
+
+TEST(ViewPath, numbersOfOneKeyAloneStartFromTheirDefaults) {
+  ViewState first = lookingFrom({0, 0, 10}), second = first;
+  second.lighting.shadows = 1;
+  second.lighting.key = {{22, 29}};
+  const ViewPath there = keysOf({first, second}), back = keysOf({second, first});
+  const ViewState middle = stateAt(there, first, 10);
+  EXPECT_NEAR(middle.lighting.shadows.value(), 0.5, 1e-12);
+  EXPECT_NEAR(middle.lighting.key.value()[0], 0, 1e-12);
+  EXPECT_FALSE(middle.lighting.ambient.has_value()) << "set by neither";
+  EXPECT_NEAR(stateAt(back, first, 10).lighting.shadows.value(), 0.5, 1e-12);
+  EXPECT_FALSE(stateAt(back, first, 20).lighting.shadows.has_value());
+}
+
+// A film that goes on from such a value begins with the picture of the key that does not set it.
+TEST(ViewPath, defaultsOfTheTableDrawThePictureWithoutThem) {
+  const Volume volume("synth:shells,dims=64x64x64");  // large enough for light around a place
+  size_t known = 0;
+  for (const OptionEntry& entry : optionTable()) {
+    if (!entry.unset) continue;
+    ++known;
+    ViewState state;
+    state.look.threshold = 60;
+    state.look.opacity = 1;
+    if (entry.option == "--attenuation") {
+      state.look.mode = LookOptions::Mode::kAttenuatedMaximum;
+      state.look.threshold.reset();
+      state.look.opacity.reset();
+    } else {
+      state.look.light = LookOptions::Light::kOn;
+    }
+    const auto drawn = [&] {
+      return Renderer(volume, lookOf(state), {.device = RendererOptions::Device::kCpu})
+          .draw(pictureOf(state, 64, 48))
+          .toRgba8(std::array{0.0F, 0.0F, 0.0F});
+    };
+    const std::vector<uint8_t> without = drawn();
+    const auto difference = [&] {
+      const std::vector<uint8_t> found = drawn();
+      int largest = 0;
+      for (size_t i = 0; i < found.size(); ++i)
+        largest = std::max(largest, std::abs(found[i] - without[i]));
+      return largest;
+    };
+    entry.set(state, *entry.unset);
+    EXPECT_LE(difference(), 1) << entry.option;  // the direction of the light is rounded
+    OptionValue other = *entry.unset;
+    if (double* number = std::get_if<double>(&other)) *number = *number == 0 ? 1 : *number + 0.3;
+    if (auto* numbers = std::get_if<OptionReals>(&other)) (*numbers)[0] += 40;
+    entry.set(state, other);
+    EXPECT_GT(difference(), 1) << entry.option;
+  }
+  EXPECT_EQ(known, 9U);
+}
+
+TEST(ViewPath, namesTheNumbersThatJump) {
+  ViewState first = lookingFrom({0, 0, 10}), second = lookingFrom({10, 0, 0});
+  first.lighting.shadows = 0.5;  // the other key has its default
+  first.look.threshold = 40;
+  second.look.threshold = 50;
+  first.look.map = "viridis";
+  second.view.zoom = 2;
+  EXPECT_EQ(jumpsAlong(keysOf({first, second, first})), std::nullopt);
+  second.crop = {{0, 0, 0}, {8, 8, 8}};
+  second.look.surfaces = {{.value = 20}};
+  second.look.threshold.reset();
+  const std::optional<std::string> jumps = jumpsAlong(keysOf({first, second}));
+  ASSERT_TRUE(jumps.has_value());
+  EXPECT_EQ(*jumps,
+            "/look/threshold, /look/surfaces, /crop: set in some key frames only, or in different "
+            "forms, so that the film jumps there");
+  ViewPath turn = keysOf({first, second});
+  turn.kind = ViewPath::Kind::kTurn;
+  EXPECT_EQ(jumpsAlong(turn), std::nullopt);
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <iterator>
 #include <optional>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "src/base/error.h"
@@ -110,6 +111,13 @@ void requireMotion(const SavedFilm& film, const ViewState& now, const std::strin
   if (!is_quiet && !camera.empty() && differs([](const ViewKey& key) { return key.state.view; }))
     printWarning(fmt::format("{}: {}: one camera shows all frames, in place of the path's cameras",
                              file, namesOf(camera)));
+}
+
+// Warns of numbers that jump along the path. Those of the user's options do not.
+void warnOfJumps(const SavedFilm& film, const ViewState& now, const std::string& file) {
+  ViewPath path = film.path;
+  for (ViewKey& key : path.keys) key.state = withGiven(film, now, std::move(key.state));
+  if (const auto jumps = jumpsAlong(path)) printWarning(fmt::format("{}: {}", file, *jumps));
 }
 
 // Throws Error, which names the key, for a look that the volume cannot have, such as a file that is
@@ -214,6 +222,7 @@ int writeFilm(const RenderArguments& arguments, const CLI::App& app, const Saved
   placeKeys(film.path, renderer, watch);
   requireMotion(film, now, arguments.state_file, is_quiet);
   requireLooks(film, now, renderer, arguments.state_file);
+  if (!is_quiet) warnOfJumps(film, now, arguments.state_file);
   ProgressMeter progress = is_quiet ? ProgressMeter()
                                     : ProgressMeter(progressLine("frames", ProgressUnit::kPieces),
                                                     static_cast<uint64_t>(frames.size()));

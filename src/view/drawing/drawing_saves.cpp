@@ -32,10 +32,12 @@ void DrawingJobs::checkOutputs(const std::vector<std::string>& writes,
 }
 
 void DrawingJobs::run(const SaveTextJob& task, const Job&) {
+  // Settings have no kind: the window owns their file and may always replace it.
   if (task.kind) {
     checkOutputs({task.path}, opened_.look);
     requireReplaceable(task.path, *task.kind);
   }
+  // The file appears whole or not at all, even if the program is ended meanwhile.
   AtomicFile file(task.path);
   file.write(task.text);
   file.commit();
@@ -58,9 +60,11 @@ void DrawingJobs::run(const SavePictureJob& task, const Job& job) {
   const std::string path = numberedName(task.path, wish.state.time, false).string();
   requirePictureName(path);
   checkOutputs({path}, wish.state.look);
+  // The look is shown, too: it is that of the view which the user saves.
   useLook(wish.state);
   drawToFile(*opened_.renderer, path, wish.state, wish.width, wish.height, progress(), job.stop);
   ViewedVolume viewed = opened_.viewed;
+  // The command has to open the volume as it was opened here, or its picture may show other levels.
   viewed.options.opens_soon = opened_.volume->info().was_opened_soon;
   SavedNews saved{path, renderCommand(viewed, wish.state, opened_.renderer->lookText(), wish.width,
                                       wish.height, path)};
@@ -83,12 +87,15 @@ void DrawingJobs::beginFilm(const FilmWish& film) {
   AtomicFile file(writes.front());
   file.write(stateText(opened_.viewed, film.now, film.path));
   file.commit();
+  if (const auto jumps = jumpsAlong(film.path))
+    news_.add([&](News& news) { news.notes.push_back(writes.front() + ": " + *jumps); });
 }
 
 void DrawingJobs::run(const FrameJob& task, const Job& job) {
   const FilmWish& film = *task.wish;
   if (!queue_.isOpen(task.volume))
     failRequest("{} is not written: another volume was opened first", film.name);
+  // A first frame that was stopped is drawn again, and its film has begun already.
   if (task.frame == 0 && task.stopped == 0) beginFilm(film);
   const ViewState state = stateAt(film.path, film.now, task.frame);
   useLook(state, false);

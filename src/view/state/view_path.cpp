@@ -1,5 +1,8 @@
 #include "src/view/state/view_path.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,6 +14,7 @@
 #include "src/base/values/vec.h"
 #include "src/options/option_numbers.h"
 #include "src/view/state/editing/camera_gestures.h"
+#include "src/view/state/files/state_file.h"
 
 namespace sluice {
 namespace {
@@ -29,6 +33,7 @@ std::array<double, 3> arrayOf(Vec3d v) {
 Quaternion turningOf(const PlacedAxes& axes) {
   const auto& [r, u, b] = axes;
   Quaternion q{1 + r.x + u.y + b.z, 1 + r.x - u.y - b.z, 1 - r.x + u.y - b.z, 1 - r.x - u.y + b.z};
+  // Rounding may make a part slightly negative.
   for (double& part : q) part = std::sqrt(std::max(0.0, part)) / 2;
   // Signs by the largest part, which is at least a half.
   const auto largest = std::max_element(q.begin(), q.end()) - q.begin();
@@ -52,6 +57,7 @@ std::pair<Vec3d, Vec3d> upAndBack(Quaternion q) {
   double length = 0;
   for (const double part : q) length += part * part;
   length = std::sqrt(length);
+  // Opposite turnings may cancel in the middle. Any axes will do for that one frame.
   if (!(length > 0)) return {{0, 1, 0}, {0, 0, 1}};
   for (double& part : q) part /= length;
   const auto [w, x, y, z] = q;
@@ -177,17 +183,24 @@ ViewOptions cameraBetween(const Between& at) {
   return view;
 }
 
+// The numbers of an option in a key's state; none if it has no value that stands for being unset.
+OptionNumbers numbersOf(const OptionEntry& entry, const ViewState& state) {
+  std::optional<OptionValue> value = entry.get(state);
+  if (!value) value = entry.unset;
+  return value ? optionNumbers(entry.kind, *value) : OptionNumbers();
+}
+
 // Sets the numbers of an option between those of the two keys, if both keys have it in one form.
 void setBetween(const Between& at, const OptionEntry& entry, ViewState& state) {
-  const std::optional<OptionValue> value = entry.get(state);
+  std::optional<OptionValue> value = entry.get(state);
+  // An option that neither key sets stays unset.
+  if (!value && entry.get(at.state(at.from() + 1))) value = entry.unset;
   if (!value) return;
+  // Options without numbers, such as maps, keep the value of the earlier key.
   const OptionNumbers here = optionNumbers(entry.kind, *value);
   if (here.numbers.empty()) return;
   std::vector<OptionNumbers> around;  // of the keys from at.first() on, as far as slopes look
-  for (size_t i = at.first(); i <= at.last(); ++i) {
-    const std::optional<OptionValue> there = entry.get(at.state(i));
-    around.push_back(there ? optionNumbers(entry.kind, *there) : OptionNumbers());
-  }
+  for (size_t i = at.first(); i <= at.last(); ++i) around.push_back(numbersOf(entry, at.state(i)));
   std::vector<std::optional<double>> numbers;
   for (size_t n = 0; n < here.numbers.size(); ++n)
     numbers.push_back(at.number([&](size_t i) {
@@ -201,6 +214,8 @@ void setBetween(const Between& at, const OptionEntry& entry, ViewState& state) {
 ViewState keyFrameAt(const ViewPath& path, const ViewState& now, double second) {
   size_t from = 0;
   double share = 0;
+  // The last frame may lie behind the last key by a rounding error, so that the loop stays before
+  // it.
   while (from + 1 < path.keys.size()) {
     const double seconds = path.keys[from].seconds;
     share = std::min(second / seconds, 1.0);
@@ -254,6 +269,24 @@ ViewState stateAt(const ViewPath& path, const ViewState& now, int64_t frame) {
 
 bool isNumbered(const std::string& name) {
   return std::filesystem::path(name).filename().string().find_first_of("%#") != std::string::npos;
+}
+
+std::optional<std::string> jumpsAlong(const ViewPath& path) {
+  if (path.kind == ViewPath::Kind::kTurn) return std::nullopt;
+  std::vector<std::string> places;
+  for (const OptionEntry& entry : optionTable()) {
+    if (entry.part == OptionPart::kCamera || entry.option.empty()) continue;
+    const auto numbersAt = [&](size_t key) { return numbersOf(entry, path.keys[key].state); };
+    for (size_t i = 0; i + 1 < path.keys.size(); ++i)
+      if (!numbersAt(i).hasFormOf(numbersAt(i + 1))) {
+        places.push_back(placeOf(entry.option));
+        break;
+      }
+  }
+  if (places.empty()) return std::nullopt;
+  return fmt::format(
+      "{}: set in some key frames only, or in different forms, so that the film jumps there",
+      fmt::join(places, ", "));
 }
 
 std::string pathFileFor(const std::string& frames) {

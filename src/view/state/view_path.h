@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -40,10 +41,16 @@ double secondsOf(const ViewPath& path);
 // ends: target, distance and zoom as logarithms, and rotation as quaternions, by cubic Hermite
 // splines; numbers of options, which may not overshoot (thresholds, light, steps, crop boxes), by
 // monotone splines (Fritsch and Carlson, Monotone piecewise cubic interpolation, 1980). What is a
-// number follows from the table of options (option_numbers.h). If two keys do not both have an
+// number follows from the table of options (option_numbers.h), and so does the number of a key that
+// does not set one (OptionEntry::unset). If two keys do not both have an
 // option in the same form (a threshold in one and points in the other, maps, modes), the earlier
 // key's holds until the later is reached. Requires: 0 <= frame < frameCount().
 ViewState stateAt(const ViewPath& path, const ViewState& now, int64_t frame);
+
+// A line about the numbers that jump at a key frame, because it and the one before do not both have
+// them in the same form; nullopt: none does. A step that is not set, for example, follows from
+// the view, so that there is no number to start from. Names them by their places in a saved view.
+std::optional<std::string> jumpsAlong(const ViewPath& path);
 
 // "turn.json" next to "turn_%04d.png": the view and its path, from which `sluice render` makes the
 // same frames.
