@@ -170,8 +170,7 @@ int run(Arguments& arguments, CLI::App& app, Team* team) {
   arguments.look.whole_series = (isSeries(arguments) && !arguments.look.this_step) ||
                                 looksAtAllSteps(arguments.look, arguments.frame, arguments.fit);
   const bool is_unasked = arguments.frame.cut && arguments.frame.cut->is_default;
-  // A cut can be refined in part when the time ends, the finest level cannot.
-  arguments.end = is_unasked && !arguments.frame.time_limit_s ? RowEnd::kUnasked : RowEnd::kCut;
+  arguments.end = is_unasked ? RowEnd::kUnasked : RowEnd::kCut;
   arguments.frame.cut = cutOf(arguments, team);
   checkLastStep(arguments);
   const Room room = arguments.annotate ? annotationRoom(arguments.frame.size) : Room{};

@@ -52,10 +52,8 @@ RefinedFrame drawRow(const RenderJob& job, const FrameOptions& options, const Ro
   };
   FrameOptions uncounted = options;
   if (options.time_limit_s) uncounted.count_samples = false;  // takes time of its own
-  // The picture of a sample ends at once, as those with a time limit do: with a cut.
-  const RowEnd end = row.until ? RowEnd::kCut : job.arguments.end;
   RefinedFrame frame =
-      drawRefined(job.scene, uncounted, job.has_step, end, row.began, row.until, take);
+      drawRefined(job.scene, uncounted, job.has_step, arguments.end, row.began, row.until, take);
   frame.pictures.insert(frame.pictures.begin(), row.earlier.begin(), row.earlier.end());
   return frame;
 }
@@ -228,6 +226,7 @@ std::vector<RefinedPicture> drawSample(const RenderJob& job) {
   FrameOptions options = drawingOptions(job);
   requireWholePicture(job.arguments, job.scene);
   std::filesystem::path name = frameName(job.arguments, 0);
+  // The time of a sample's row is over at once, so that it ends with its first picture.
   return drawRow(job, options, {job.began, job.began}, name).pictures;
 }
 

@@ -24,6 +24,10 @@ bool showAsFinest(const TimeStep& step) {
   });
 }
 
+bool endsWithCut(RowEnd asked, bool has_limit) {
+  return asked == RowEnd::kCut || has_limit;
+}
+
 // A picture without a cut is one of the finest level.
 void noteFinest(Frame& frame, LayerFrame& first) {
   if (frame.report.cut || frame.blocks == nullptr) return;
@@ -40,7 +44,8 @@ void noteFinest(Frame& frame, LayerFrame& first) {
 
 FrameOptions lastOptions(const Scene& scene, FrameOptions options, RowEnd end) {
   const auto asFinest = [](const Layer* layer) { return showAsFinest(layer->volume.step()); };
-  if (end == RowEnd::kUnasked && !std::ranges::all_of(scene.layers(), asFinest))
+  if (!endsWithCut(end, options.time_limit_s.has_value()) &&
+      !std::ranges::all_of(scene.layers(), asFinest))
     options.cut.reset();
   return options;
 }
@@ -73,8 +78,9 @@ RefinedFrame drawRefined(Scene& scene, const FrameOptions& options, bool has_ste
   std::vector<RefinedLayer> volumes;
   volumes.reserve(layers.size());
   for (Layer* layer : layers)
-    volumes.push_back({*layer->session, layer->volume.step(), layer->look.transfer,
-                       end == RowEnd::kUnasked && !showAsFinest(layer->volume.step())});
+    volumes.push_back(
+        {*layer->session, layer->volume.step(), layer->look.transfer,
+         !endsWithCut(end, until.has_value()) && !showAsFinest(layer->volume.step())});
   Refinement row(volumes, std::move(painter), options, until, scene.pool);
   RefinedFrame refined;
   std::optional<Frame> last;

@@ -34,9 +34,10 @@ struct RefinedFrame {
 
 // The last picture of a row: that of the cut of its options; or the one that is drawn if nobody
 // asks for a cut, from the finest level if coarser ones show something else. A row with a time
-// limit ends with the cut.
+// limit ends with the cut, whatever is asked for: a cut can be refined in part when the time ends,
+// the finest level cannot.
 enum class RowEnd { kCut, kUnasked };
-// The options of such a picture.
+// The options of such a picture. FrameOptions::time_limit_s is the row's limit.
 FrameOptions lastOptions(const Scene& scene, FrameOptions options, RowEnd end);
 
 // Whether frames of the scene with these options can be such a row: a layer has several levels to
@@ -45,8 +46,8 @@ bool canRefine(const Scene& scene, const FrameOptions& options);
 
 // Draws the row. Each picture is passed to `take` as soon as it is there. `began`: where seconds
 // are counted from. `has_step`: the distance between slices is that of the options in all pictures;
-// otherwise it follows from what each shows. Throws Error, Interrupted. Requires: canRefine(), and
-// kCut if `until` is set.
+// otherwise it follows from what each shows. `until`: the row's limit. Throws Error, Interrupted.
+// Requires: canRefine().
 RefinedFrame drawRefined(Scene& scene, const FrameOptions& options, bool has_step, RowEnd end,
                          Deadline::TimePoint began, std::optional<Deadline::TimePoint> until,
                          const std::function<void(const BetterPicture&)>& take);
