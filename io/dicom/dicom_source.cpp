@@ -48,6 +48,7 @@ class DicomSource final : public VolumeSource, public UnitSource {
     DicomVolume volume = orderDicomStack(headers, stack);
     layout_ = std::move(volume.layout);
     layout_.name = fmt::format("{} series {}", stack.modality, stack.name);
+    layout_.path = path;
     for (const DicomStack& one : stacks) layout_.grids.push_back(one.name);
     layout_.notes.insert(layout_.notes.begin(), notes.begin(), notes.end());
     lines_ = std::move(volume.lines);

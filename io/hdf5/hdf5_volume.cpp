@@ -149,6 +149,7 @@ std::unique_ptr<VolumeSource> openHdf5(const std::string& path, const std::strin
   if (view.channel || !options.channel.given()) {
     VolumeLayout layout = view.layout;
     layout.name = volume.title;
+    layout.path = volume.name;
     if (!volume.image.scale.empty()) layout.unit = "micrometer";
     chooseChannel(name, options.channel, {}, layout);
     std::string identity =

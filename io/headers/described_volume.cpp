@@ -104,6 +104,7 @@ std::unique_ptr<VolumeSource> openDescribed(std::shared_ptr<File> header,
                                             const DecodeOptions& decode) {
   VolumeLayout layout = description.layout;
   layout.name = std::filesystem::path(header->path()).filename().string();
+  layout.path = header->path();
   const int64_t bytes = checkedVolumeBytes(header->path(), layout);
   const std::vector<std::shared_ptr<File>> files = openFiles(header, description.files);
   const int64_t count = static_cast<int64_t>(files.size());

@@ -210,6 +210,7 @@ class SliceStack final : public VolumeSource,
                     is_described_ ? order.slices : static_cast<int64_t>(files_.size())};
     layout_.type = format_.type;
     layout_.name = files_[0].filename().string();
+    layout_.path = first;
     layout_.frame = WorldFrame::kPictureRows;
     layout_.spacing = options.spacing.value_or(order.spacing);
     layout_.origin = order.origin;

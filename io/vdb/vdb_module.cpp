@@ -112,6 +112,7 @@ class VdbSource final : public VolumeSource {
     layout_.dims = box.size();
     layout_.type = kTypeOf<Out>;
     layout_.name = info_.name + (info_.grid_class == "level set" ? " (level set)" : "");
+    layout_.path = path_;
     if (layout_.type == VoxelType::kU8) layout_.stored_range = ValueRange{0, 1};
     layout_.frame = WorldFrame::kYUp;
     layout_.grids = opening.grids;

@@ -105,6 +105,7 @@ std::unique_ptr<VolumeSource> openVtk(const std::filesystem::path& path, const C
   VolumeLayout layout = vtkLayout(image, array.is_of_cells, file->path());
   layout.type = *vtkVoxelType(array.type);
   layout.name = path.filename().string();
+  layout.path = file->path();
   layout.channels = choice.channels;
   layout.channel = choice.channel;
   layout.notes = std::move(choice.notes);

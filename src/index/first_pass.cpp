@@ -52,7 +52,7 @@ FirstPass planFirstPass(VolumeSource& source, int64_t time, const BlockLayout& l
     failMemory(
         "{}: {} x {} x {} voxels in blocks of {} a side have {} of min-max arrays, --memory is {}; "
         "give --memory {} or more to look at it and more to draw it, or a larger --block",
-        voxels.name, voxels.dims.x, voxels.dims.y, voxels.dims.z, layout.size,
+        voxels.calledBy(), voxels.dims.x, voxels.dims.y, voxels.dims.z, layout.size,
         wholeMebibytes(array_bytes), formatBytes(memory_bytes), wholeMebibytes(array_bytes));
 
   // A volume smaller than a block is read whole.
@@ -64,7 +64,7 @@ FirstPass planFirstPass(VolumeSource& source, int64_t time, const BlockLayout& l
     failMemory(
         "{}: reading it takes {} at a time (decoded chunks or rows, and a block), --memory is {}; "
         "give --memory {} or more to look at it, and twice that to draw it",
-        voxels.name, formatBytes(thread_bytes), formatBytes(memory_bytes),
+        voxels.calledBy(), formatBytes(thread_bytes), formatBytes(memory_bytes),
         wholeMebibytes(static_cast<double>(thread_bytes)));
   const uint64_t for_threads = memory_bytes - memory_bytes / 4;
   FirstPass pass;

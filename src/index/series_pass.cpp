@@ -148,7 +148,8 @@ class Pass {
       const auto range = rangeOf(first, own.size(), size.x, size.x * size.y);
       expectSameValues({.time = step, .block = block},
                        {static_cast<double>(range.lo), static_cast<double>(range.hi)},
-                       known.valuesOf(block), {source_.layout().name, map_, known.indexFile()});
+                       known.valuesOf(block),
+                       {source_.layout().calledBy(), map_, known.indexFile()});
       fillOpacityBlock(first, size.x, size.x * size.y, grid, table_, out);
     });
   }

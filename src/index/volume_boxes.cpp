@@ -195,7 +195,7 @@ void expectSameValues(const VolumeSource& source, int64_t time, const SliceRange
   const CellRange found = rangeOf(grid, boxOf(grid.size));
   expectSameValues({.time = time, .block = block}, {found.lo, found.hi},
                    expectedValues(ranges, block),
-                   {source.layout().name, ranges.map, ranges.index_file});
+                   {source.layout().calledBy(), ranges.map, ranges.index_file});
 }
 
 void forEachBlockBricks(VolumeSource& source, int64_t time, const BlockLayout& layout,

@@ -69,7 +69,7 @@ Shares sharesFor(const SurfaceRequest& request, int threads) {
   if (least > request.memory_bytes)
     failMemory(
         "{}: a surface needs at least {} for its voxels and triangles, {} are left of --memory",
-        request.source.layout().name, formatBytes(least), formatBytes(request.memory_bytes));
+        request.source.layout().calledBy(), formatBytes(least), formatBytes(request.memory_bytes));
   shares.waiting_bytes =
       std::min(PieceMesher::kPartBytes * static_cast<uint64_t>(4 * shares.threads),
                PieceMesher::kPartBytes + (request.memory_bytes - least) / 2);

@@ -274,7 +274,7 @@ std::exception_ptr VolumeBuffer::failureOf(const BlockName& key) const noexcept 
   } catch (const std::exception& error) {
     try {
       return std::make_exception_ptr(Error(fmt::format(
-          "{}: block {}: {}", levelOf(key).source->layout().name, key.block, error.what())));
+          "{}: block {}: {}", levelOf(key).source->layout().calledBy(), key.block, error.what())));
     } catch (...) {
       return std::current_exception();
     }

@@ -60,6 +60,32 @@ TEST(Names, areHarmlessInEverythingThatIsPrinted) {
   }
 }
 
+// Files of one name in two folders are told apart.
+TEST(Names, ofFilesInMessagesAreThoseThatWereGiven) {
+  const Program program;
+  ASSERT_EQ(program.inFolder("mkdir a b").status, 0);
+  for (const char* const line :
+       {"synth shells --dims 24,20,16 -o a/v.nrrd", "synth shells --dims 20,20,16 -o b/v.nrrd",
+        "pack a/v.nrrd -o a/v.zarr -q --levels 1 --chunk 4"})
+    ASSERT_EQ(program.run(line).status, 0);
+  const std::string raw = "a/v_24x20x16_uint8.raw";
+  ASSERT_EQ(program.run("synth shells --dims 24,20,16 -o " + raw).status, 0);
+  const auto errorOf = [&](const std::string& rest) {
+    const CommandResult result = program.run("render " + rest + " --size 16 -o p.png --force");
+    EXPECT_EQ(result.status, 1) << rest;
+    return result.output;
+  };
+  EXPECT_THAT(errorOf("a/v.nrrd --level 5"), HasSubstr("sluice: a/v.nrrd: --level 5"));
+  EXPECT_THAT(errorOf("a/v.zarr --level 1 --mode mip"),
+              HasSubstr("sluice: a/v.zarr: its coarser levels hold"));
+  EXPECT_THAT(errorOf(raw + " --spacing 1,1,1e12"), HasSubstr("sluice: " + raw + ": its spacing"));
+  EXPECT_THAT(errorOf(raw + " --step 1e-9"), HasSubstr("sluice: " + raw + ": --step"));
+  EXPECT_THAT(errorOf("a/v.nrrd --shadows --modulate"), HasSubstr("sluice: a/v.nrrd: --shadows"));
+  EXPECT_THAT(errorOf("b/v.nrrd --memory 100"), HasSubstr("sluice: b/v.nrrd: "));
+  EXPECT_THAT(errorOf("a/v.nrrd --over b/v.nrrd --combine blend"),
+              HasSubstr("b/v.nrrd is on another grid of voxels than a/v.nrrd"));
+}
+
 // People paste printed options: the shell must read the same names back.
 TEST(Names, ofThePrintedLookAreReadBackByTheShell) {
   if (!haveProgram("bash")) GTEST_SKIP() << "no bash";

@@ -156,6 +156,7 @@ std::unique_ptr<VolumeSource> openRawSlices(const std::vector<std::filesystem::p
     segments.push_back({std::move(file), skip});
   }
   layout.name = files[0].filename().string();
+  layout.path = first;
   layout.frame = WorldFrame::kPictureRows;
   if (const auto gap = gapNote(files)) layout.notes.push_back(*gap);
   const std::string identity = fileIdentity(files) + "|" + selectionOf(description);

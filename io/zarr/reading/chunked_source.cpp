@@ -37,6 +37,7 @@ ChunkedSource::ChunkedSource(const ChunkedVolume& volume, OpenedArray opened, si
   }
   view_ = viewZarr(array, image, channel.given(), volume.said_by);
   view_.layout.name = volume.title + (image.level_set ? " (level set)" : "");
+  view_.layout.path = volume.name;
   if (channel.given() && !view_.channel)
     failRequest("{}: --channel {}: the volume has no channels; leave it out", volume.name,
                 channel.text());

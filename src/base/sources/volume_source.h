@@ -57,7 +57,9 @@ struct VolumeLayout {
   int64_t time_steps = 1;
   std::optional<ValueRange> stored_range;  // range of stored values, if the file tells it
   double value_scale = 1, value_offset = 0;
-  std::string name;  // for people: the file's name or the grid's
+  std::string name;  // for people, in reports: the file's name or the grid's
+  // The file, folder or store as the user gave it; empty: none was given. Of a series, its first.
+  std::string path;
   std::string unit;  // unit of spacing and origin, if the file tells it: "millimeter", ...
   WorldFrame frame = WorldFrame::kNone;
   // False: the file could tell its place and does not.
@@ -71,6 +73,9 @@ struct VolumeLayout {
   std::vector<std::string> grids;
   // For people, one line each: choices among several, and possible faults that can be read anyway.
   std::vector<std::string> notes;
+
+  // The words that messages call the volume by: several files may have the same name.
+  const std::string& calledBy() const { return path.empty() ? name : path; }
 };
 
 // A constant outside a list of boxes: known to sparse formats without reading a voxel.

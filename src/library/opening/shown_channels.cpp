@@ -111,7 +111,7 @@ std::string invertedNote(const VolumeSource& source, const ShownChannel& shown) 
   return fmt::format(
       "{}: {} is inverted in the file, which shows low values bright; here high values are bright "
       "and opaque, as in the other channels",
-      source.layout().name, shown.title());
+      source.layout().calledBy(), shown.title());
 }
 
 std::vector<ChannelSource> openOwnChannels(const VolumeArguments& arguments) {

@@ -22,7 +22,7 @@ VolumeLayout thickLayout(VolumeLayout layout) {
     axes += fmt::format("{}{}", axes.empty() ? "" : ", ", "xyz"[a]);
   }
   layout.notes.push_back(
-      fmt::format("{}: one voxel along {}, drawn one voxel thick", layout.name, axes));
+      fmt::format("{}: one voxel along {}, drawn one voxel thick", layout.calledBy(), axes));
   layout.dims = max(layout.dims, kTwo);
   return layout;
 }

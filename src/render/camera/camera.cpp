@@ -159,13 +159,13 @@ View resolve(const Camera& camera, const VolumeLayout& layout, PictureSize size,
         "{}: its spacing of {:g} x {:g} x {:g} makes {:.3g} slices along the view, of which at "
         "most "
         "{} can be drawn; correct it with --spacing, or give --step {:.2g} or more",
-        layout.name, spacing.x, spacing.y, spacing.z, slices, static_cast<int64_t>(kMostSlices),
-        step_needed);
+        layout.calledBy(), spacing.x, spacing.y, spacing.z, slices,
+        static_cast<int64_t>(kMostSlices), step_needed);
   if (!(slices <= kMostSlices))
     failRequest(
         "{}: --step {}: {:.3g} slices along the view, of which at most {} can be drawn; give "
         "--step {:.2g} or more",
-        layout.name, step_vox, slices, static_cast<int64_t>(kMostSlices), step_needed);
+        layout.calledBy(), step_vox, slices, static_cast<int64_t>(kMostSlices), step_needed);
   return view;
 }
 

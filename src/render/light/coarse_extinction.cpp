@@ -310,7 +310,7 @@ CoarseExtinction coarseExtinction(const TimeStep& step, const Look& look, Matter
     failRequest(
         "{}: --shadows and --occlusion-light do not follow opacities that depend on gradients; "
         "leave out --modulate, or take a transfer function without gradients",
-        step.source->layout().name);
+        step.source->layout().calledBy());
   return Maker(step, look, from, stop).make(pool);
 }
 

@@ -30,7 +30,7 @@ Session::Session(const TimeStep& step, Device& device, WorkerPool& pool,
     : device_(device),
       pool_(pool),
       session_(options),
-      stale_check_(std::make_unique<StaleCheck>(step.source->layout().name)),
+      stale_check_(std::make_unique<StaleCheck>(step.source->layout().calledBy())),
       spreads_(std::make_unique<SpreadTally>()),
       lost_(std::make_unique<LostTally>()),
       learnt_(step.ranges->unknown.empty()

@@ -75,7 +75,7 @@ std::optional<std::string> blendObstacle(const LookArguments& look, const FrameO
       return fmt::format(
           "--combine blend: {} is on another grid of voxels than {}; leave out --combine, which "
           "adds their pictures",
-          grid->name, grids.front()->name);
+          grid->calledBy(), grids.front()->calledBy());
   if (!traitsOf(options.mode).has_colors)
     return "--combine blend needs --mode composite, since other modes show one value a pixel";
   if (!look.surfaces.empty()) return "--combine blend draws no surfaces; leave out --iso";

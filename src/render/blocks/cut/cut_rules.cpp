@@ -52,8 +52,9 @@ bool showsExtremes(const TransferFunction& transfer, Combining combining) {
 void requireLevel(const CutOptions& options, const TimeStep& step) {
   const int levels = static_cast<int>(step.coarser.size()) + 1;
   if (options.level && *options.level >= levels)
-    failRequest("{}: --level {}: there {} {} level{}, counted from 0", step.source->layout().name,
-                *options.level, levels == 1 ? "is" : "are", levels, levels == 1 ? "" : "s");
+    failRequest("{}: --level {}: there {} {} level{}, counted from 0",
+                step.source->layout().calledBy(), *options.level, levels == 1 ? "is" : "are",
+                levels, levels == 1 ? "" : "s");
 }
 
 bool drawsCut(const TimeStep& step, const std::optional<CutOptions>& cut, Mode mode,
@@ -81,14 +82,14 @@ bool drawsCut(const TimeStep& step, const std::optional<CutOptions>& cut, Mode m
     failRequest(
         "{}: its coarser levels hold {}, which are no {}; leave out --level, --pixel-error and "
         "--max-bytes, or pack it with --downsample {}",
-        step.source->layout().name, wordsOf(found).hold, wordsOf(wanted).hold,
+        step.source->layout().calledBy(), wordsOf(found).hold, wordsOf(wanted).hold,
         wordsOf(wanted).option);
   }
   if (!shows_extremes && !step.coarser.empty() && cut->level.value_or(1) > 0)
     failRequest(
         "{}: its coarser levels hold {}, and the look hides some of them where it shows other "
         "values; leave out --level, --pixel-error and --max-bytes, or make all {} values visible",
-        step.source->layout().name, wordsOf(wanted).hold,
+        step.source->layout().calledBy(), wordsOf(wanted).hold,
         traitsOf(mode).combining == Combining::kGreatest ? "greater" : "lesser");
   return !step.coarser.empty();
 }
