@@ -67,7 +67,8 @@ bool areNiftiVoxels(const NamedInput& input, const OpenOptions& /*options*/) {
   if (ending != ".img" && ending != ".img.gz") return false;
   if (ending == ".img.gz") voxels.replace_extension();
   voxels.replace_extension(".hdr");
-  return fs::exists(voxels) || fs::exists(voxels.string() + ".gz");
+  std::error_code ignored;
+  return fs::exists(voxels, ignored) || fs::exists(voxels.string() + ".gz", ignored);
 }
 
 bool areSlicesWithoutHeaders(const NamedInput& input, const OpenOptions& options) {

@@ -11,7 +11,8 @@ namespace {
 std::vector<std::filesystem::path> filesOf(const std::vector<std::string>& steps) {
   std::vector<std::filesystem::path> files;
   for (const std::string& step : steps) {
-    if (std::filesystem::is_directory(step)) {
+    std::error_code ignored;  // opening the step tells why it cannot be read
+    if (std::filesystem::is_directory(step, ignored)) {
       for (auto& file : listFolder(step)) files.push_back(std::move(file));
     } else {
       files.emplace_back(step);

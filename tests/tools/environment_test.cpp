@@ -97,6 +97,34 @@ TEST(Environment, pipesAsFilesOfOptionsDoNotHang) {
   EXPECT_EQ(fed.status, 0) << fed.output;
 }
 
+// Whatever lies at the name of a file: a pipe that nobody writes to, a folder, a device without an
+// end, a circle of links, nothing.
+TEST(Environment, anyFileOfAnOptionIsReadOrRefusedInOneLine) {
+  const Program program;
+  ASSERT_EQ(
+      program
+          .inFolder("mkfifo pipe && mkdir folder && ln -s b a && ln -s a b && cp -P a a.hdr && "
+                    "cp -P b b.hdr")
+          .status,
+      0);
+  writeFile(program.folder / "v_8x8x8_uint8.raw", std::string(512, '\1'));
+  const std::string render = "render v_8x8x8_uint8.raw --size 16 -o out_%d.png --force ";
+  for (const std::string name : {"pipe", "folder", "/dev/zero", "a", "none"})
+    for (const std::string& line :
+         {render + "--transfer " + name, render + "--labels --labels-table " + name,
+          render + "--state " + name, render + "--frames 2 --path " + name,
+          render + "--over " + name, "render v_8x8x8_uint8.raw " + name + " --size 16 -o a.png",
+          "simulate " + name, "simulate --format text " + name, "info " + name,
+          "bench report " + name + " " + name, "pack --check " + name}) {
+      const CommandResult result =
+          program.inFolder("XDG_CACHE_HOME=\"$PWD/cache\" timeout 60 " SLUICE_PROGRAM " " + line);
+      EXPECT_TRUE(result.status == 1 || result.status == 2) << line << ": " << result.status;
+      EXPECT_TRUE(isOneLine(result.output)) << line << ": " << result.output;
+      EXPECT_NE(result.output.find(name), std::string::npos) << line << ": " << result.output;
+      EXPECT_EQ(result.output.find("filesystem error"), std::string::npos) << result.output;
+    }
+}
+
 TEST(Environment, aPathOfMoreThanSixteenMebibytesIsRefused) {
   const Program program;
   const std::string folder = shellQuoted(program.folder.path().string());

@@ -36,8 +36,9 @@ std::string imageBeside(const std::string& header) {
     fail("{}: the header of a pair of files (magic ni1 or ni2) needs a name that ends in .hdr",
          header);
   const std::string plain = same.ends_with(".gz") ? same.substr(0, same.size() - 3) : same;
+  std::error_code ignored;  // a name that leads nowhere, such as a circle of links, has no voxels
   for (const std::string& candidate : {same, plain, plain + ".gz"})
-    if (std::filesystem::exists(candidate)) return candidate;
+    if (std::filesystem::exists(candidate, ignored)) return candidate;
   fail("{}: {} with its voxels is missing", header, same);
 }
 

@@ -28,10 +28,14 @@ class Opened {
   const int number;
 };
 
-// False when nothing came in time.
-bool waitForMore(int file, const StopToken& stop) {
-  constexpr int kSteps = 100, kStepMs = 100;
-  for (int i = 0; i < kSteps; ++i) {
+constexpr int kMostSeconds = 10;         // between two pieces of a writer
+constexpr int kMostSecondsToWriter = 3;  // until a writer comes, as long as AtomicFile waits
+
+// Waits until a pipe has bytes or its last writer has gone. False when neither happens in time.
+bool waitForMore(int file, int most_seconds, const StopToken& stop) {
+  constexpr int kStepMs = 100;
+  // Short steps, so that a stop is seen soon.
+  for (int i = 0; i < most_seconds * 1000 / kStepMs; ++i) {
     stop.throwIfStopped();
     pollfd waiting{file, POLLIN, 0};
     if (poll(&waiting, 1, kStepMs) > 0) return true;
@@ -45,17 +49,21 @@ std::string readTextFile(const std::filesystem::path& path, uint64_t most_bytes,
                          std::string_view what, const StopToken& stop) {
   const Opened file(path);
   struct stat status {};
-  if (fstat(file.number, &status) == 0 && S_ISDIR(status.st_mode))
-    fail("{}: expected {}, found a folder", path.string(), what);
+  if (fstat(file.number, &status) != 0)
+    failErrno(fmt::format("{}: cannot be read", path.string()), errno);
+  if (S_ISDIR(status.st_mode)) fail("{}: expected {}, found a folder", path.string(), what);
+  // A pipe that no writer has opened yet reads as if it ended, which poll() tells apart.
+  if (S_ISFIFO(status.st_mode) && !waitForMore(file.number, kMostSecondsToWriter, stop))
+    fail("{}: expected {}, found a pipe into which nobody writes", path.string(), what);
   std::string text;
   std::array<char, 64 << 10> piece;
   for (;;) {
     const ssize_t got = read(file.number, piece.data(), piece.size());
     if (got < 0 && errno == EINTR) continue;
     if (got < 0 && errno == EAGAIN) {
-      if (!waitForMore(file.number, stop))
-        fail("{}: expected {}, found a pipe into which nothing was written for 10 s", path.string(),
-             what);
+      if (!waitForMore(file.number, kMostSeconds, stop))
+        fail("{}: expected {}, found a pipe into which nothing was written for {} s", path.string(),
+             what, kMostSeconds);
       continue;
     }
     if (got < 0) failErrno(fmt::format("{}: cannot be read", path.string()), errno);
