@@ -29,6 +29,10 @@ uint64_t partBytes(PictureSize size, const Dealing& dealing, uint64_t memory_byt
                                                  pixels * kMostPartChannels * sizeof(float));
 }
 
+uint64_t memoryOfAnyParts(PictureSize size, const Dealing& dealing) {
+  return size.width == 0 ? 0 : kPartShare * partBytes(size, dealing, UINT64_MAX);
+}
+
 RankShare::RankShare(Team& team, const Dealing& dealing, WorkerPool& pool, uint64_t part_bytes)
     : team_(team), pool_(pool), part_bytes_(part_bytes), blocks_(dealing, team.rank(), pool) {
   blocks_.tellDealings([this](const Dealing& hands) {

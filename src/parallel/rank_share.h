@@ -23,6 +23,9 @@ namespace sluice {
 // receives; at most a quarter of `memory_bytes`. That much for a size of 0 x 0, of pictures whose
 // sizes are not known yet.
 uint64_t partBytes(PictureSize size, const Dealing& dealing, uint64_t memory_bytes);
+// The least memory of which partBytes() leaves room for the parts of any picture of this size; 0
+// for a size of 0 x 0.
+uint64_t memoryOfAnyParts(PictureSize size, const Dealing& dealing);
 
 class RankShare {
  public:

@@ -307,6 +307,24 @@ TEST_P(RanksProgram, shareOutEveryBlockOfAlgorithmsThatLoadThemAll) {
     }
 }
 
+// A second refusal followed the first, or the same number was refused.
+TEST_P(RanksProgram, namesAMemoryThatWorksAtOnce) {
+  const std::string command = "render synth:shells,dims=96x96x96 --block 16 -o a.png --force -q";
+  for (const char* more : {" --size 100", " --size 600"}) {
+    const CommandResult refused = onRanks(2, command + more + " --memory 1M");
+    EXPECT_EQ(refused.status, 1);
+    const size_t at = refused.output.find("give --memory ");
+    ASSERT_NE(at, std::string::npos) << refused.output;
+    const uint64_t named = std::stoull(refused.output.substr(at + 14));
+    const CommandResult enough = onRanks(2, fmt::format("{}{} --memory {}", command, more, named));
+    EXPECT_EQ(enough.status, 0) << refused.output << enough.output;
+    const size_t least = refused.output.find("needs at least ");
+    ASSERT_NE(least, std::string::npos) << refused.output;
+    const uint64_t too_little = std::stoull(refused.output.substr(least + 15)) - 1;
+    EXPECT_EQ(onRanks(2, fmt::format("{}{} --memory {}", command, more, too_little)).status, 1);
+  }
+}
+
 // When a rank is killed while pictures are drawn, the launcher ends the run and names it.
 TEST_P(RanksProgram, areEndedWhenOneIsKilled) {
   const std::string command =

@@ -181,6 +181,34 @@ TEST(Plan, namesTheLeastMemoryThatRenderWorksWith) {
   }
 }
 
+// The more memory there is, the more blocks may a cut have, whose plan takes memory: the least that
+// works is searched.
+TEST(Plan, ofLevelsNamesTheLeastMemoryThatRenderWorksWith) {
+  const Program program;
+  for (const std::string more : {"", " --over synth:shells,dims=120x110x100,levels=3"}) {
+    const std::string line =
+        "synth:shells,dims=120x110x100,levels=3 --threshold 60 --device cpu --size 200 --block 8 "
+        "--pixel-error 1 --memory ";
+    const auto least =
+        program.json("plan " + line + "64M" + more)["memory"]["least_bytes"].get<uint64_t>();
+    for (const uint64_t memory : {least, least - 1}) {
+      const bool fits = memory == least;
+      const std::string with = fmt::format("{}{}{}", line, memory, more);
+      const CommandResult drawn = program.run("render -q --force -o a.png " + with);
+      EXPECT_EQ(drawn.status, fits ? 0 : 1) << with << drawn.output;
+      const std::string named = fits ? "" : fmt::format("give --memory {} ", least);
+      EXPECT_THAT(drawn.output, HasSubstr(named));
+      const CommandResult plan = program.run("plan -q " + with);
+      if (plan.status != 0) {
+        EXPECT_FALSE(fits);
+        EXPECT_EQ(plan.output, drawn.output);
+      } else {
+        EXPECT_EQ(program.json("plan " + with)["memory"]["fits"], fits) << with;
+      }
+    }
+  }
+}
+
 TEST(Plan, refusesWhatRenderRefuses) {
   const Program program;
   for (const char* options :

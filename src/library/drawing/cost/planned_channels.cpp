@@ -1,26 +1,91 @@
 #include "src/library/drawing/cost/planned_channels.h"
 
 #include <algorithm>
+#include <functional>
+#include <optional>
 #include <utility>
+
+#include "src/library/drawing/cost/picture_memory.h"
 
 namespace sluice {
 namespace {
+
+using NeedOfMemory = std::function<uint64_t(uint64_t memory_bytes)>;
 
 PlannedPart partOf(const ChannelShare& share) {
   return {*share.look.volume, share.step, *share.look.transfer, share.frame, share.page};
 }
 
-void requireRoomToPlan(const std::vector<ChannelShare>& shares, TexelPlace texels) {
+// What a channel holds beside the levels if all channels have `memory_bytes` together, in place of
+// `now_bytes`: the plan of a cut may take a part of the memory.
+uint64_t othersAt(const ChannelShare& share, size_t channels, uint64_t memory_bytes,
+                  uint64_t now_bytes, WorkerPool& pool) {
+  const IndexedVolume& volume = *share.look.volume;
+  if (!share.frame.cut || volume.pyramid == nullptr) return share.others_bytes;
+  FrameOptions then = share.frame;
+  for (const PictureRow row : {PictureRow::kOne, PictureRow::kMore}) {
+    const uint64_t now = cutBytes(now_bytes, row) / channels;
+    const uint64_t held = share.frame.cut->most_held_bytes;
+    // Each channel's share of the memory is rounded down.
+    if (std::max(now, held) - std::min(now, held) > channels) continue;
+    then.cut->most_held_bytes = cutBytes(memory_bytes, row) / channels;
+    break;
+  }
+  if (then.cut == share.frame.cut) return share.others_bytes;
+  const TransferFunction& transfer = *share.look.transfer;
+  return share.others_bytes - planBytes(volume, transfer, share.frame, pool) +
+         planBytes(volume, transfer, then, pool);
+}
+
+// The bytes that the channels need together of so much memory for all of them, as their sessions
+// do; see leastMemoryBytes().
+uint64_t needOfMemory(const std::vector<ChannelShare>& shares, Combine combine, TexelPlace texels,
+                      uint64_t memory_bytes, WorkerPool& pool) {
+  const uint64_t now_bytes = shares.size() * memoryBudget(shares.front().machine);
+  std::vector<uint64_t> beside_bytes;
+  std::vector<PageGeometry> pages;
+  for (const ChannelShare& share : shares) {
+    MachineOptions machine = share.machine;
+    // 0 would mean half of the free memory (memoryBudget()).
+    machine.memory_bytes = std::max<uint64_t>(1, memory_bytes / shares.size());
+    const BesideShare beside = besideShare(
+        *share.look.volume, machine, share.frame.partition, pictureDemand(machine, share.frame),
+        othersAt(share, shares.size(), memory_bytes, now_bytes, pool));
+    beside_bytes.push_back(beside.beside_bytes);
+    pages.push_back(share.page);
+    pages.back().pages = beside.pages;
+  }
+  if (blends(combine, shares.size())) {
+    std::vector<std::pair<const IndexedVolume*, PageGeometry*>> even;
+    for (size_t i = 0; i < shares.size(); ++i) even.emplace_back(shares[i].look.volume, &pages[i]);
+    evenOutPages(even);
+  }
+  uint64_t most = 0;
+  for (size_t i = 0; i < shares.size(); ++i) {
+    const IndexedVolume& volume = *shares[i].look.volume;
+    BufferNeeds needs =
+        bufferNeeds(*volume.source, volume.layout, shares[i].frame.partition, beside_bytes[i]);
+    needs.numbers = volume.numbers();
+    most = std::max(most, textureMemoryBytes(pages[i], texels) + leastBufferBytes(pages[i], needs));
+  }
+  return shares.size() * most;
+}
+
+void requireRoomToPlan(const std::vector<ChannelShare>& shares, TexelPlace texels,
+                       const NeedOfMemory& need_of) {
   try {
     for (const ChannelShare& share : shares)
       requireRoomToPlan(*share.look.volume, share.page, share.others_bytes, share.frame,
                         share.machine, texels);
   } catch (const Error& error) {
-    failOfShare(error, shares.size());
+    const uint64_t refused = shares.size() * memoryBudget(shares.front().machine);
+    std::optional<uint64_t> least;
+    if (need_of(refused) > refused) least = leastMemoryBytes(need_of, refused);
+    failOfShare(error, shares.size(), least);
   }
 }
 
-// The least memory is left to the caller: a sum would be too little for channels that differ.
+// The least memory is left to the caller, since it is that of all channels together.
 void add(Forecast& sum, const Forecast& more) {
   sum.blocks += more.blocks;
   sum.voxel_bytes += more.voxel_bytes;
@@ -60,7 +125,10 @@ std::vector<PlannedChannel> plannedChannels(const std::vector<ChannelShare>& sha
                                             Combine combine, BlockChooser* chooser,
                                             TexelPlace texels, WorkerPool& pool) {
   // Before planning: a plan that does not fit would take the memory that it says is missing.
-  requireRoomToPlan(shares, texels);
+  const NeedOfMemory need_of = [&](uint64_t memory_bytes) {
+    return needOfMemory(shares, combine, texels, memory_bytes, pool);
+  };
+  requireRoomToPlan(shares, texels, need_of);
   std::vector<PlannedBlocks> shown;
   // Blended channels must agree on their blocks; added ones are chosen one by one.
   if (blends(combine, shares.size())) {
@@ -85,6 +153,13 @@ std::vector<PlannedChannel> plannedChannels(const std::vector<ChannelShare>& sha
                                           share.frame, share.machine, texels});
     channels.push_back({share, std::move(shown[i]), costs, forecast});
   }
+  // Less than a byte is too little for any picture, from which the search goes up.
+  const uint64_t least_bytes = leastMemoryBytes(need_of, 1);
+  const uint64_t each = (least_bytes + shares.size() - 1) / shares.size();
+  for (PlannedChannel& channel : channels) {
+    channel.forecast.least_bytes = each;
+    channel.forecast.fits_budget = each <= channel.forecast.budget_bytes;
+  }
   return channels;
 }
 
@@ -96,12 +171,9 @@ PlannedSum costOf(const PlannedChannel& channel) {
 
 PlannedSum sumOf(std::span<const PlannedChannel> channels) {
   PlannedSum sum = costOf(channels.front());
-  uint64_t least_bytes = sum.forecast.least_bytes;  // of one channel; all get the same share
-  for (const PlannedChannel& channel : channels.subspan(1)) {
-    least_bytes = std::max(least_bytes, channel.forecast.least_bytes);
-    add(sum, costOf(channel));
-  }
-  sum.forecast.least_bytes = least_bytes * channels.size();
+  for (const PlannedChannel& channel : channels.subspan(1)) add(sum, costOf(channel));
+  // All channels get the same share.
+  sum.forecast.least_bytes *= channels.size();
   return sum;
 }
 

@@ -96,15 +96,17 @@ void Scene::openSession(const FrameOptions& frame, const MoreBytes& more_bytes) 
     std::optional<uint64_t> least;
     if (dynamic_cast<const MemoryShortage*>(&error) != nullptr)
       least = leastMemoryBytes(needOf, memory_bytes);
-    // A rank's part of the picture, which is known when it is drawn, takes more.
+    // A rank's part of the picture, which is known when it is drawn, takes more than the least and
+    // seldom as much as is enough for any.
     if (least && share)
       failMemory(
-          "--memory {} is too small: each rank needs more than {}{}; give more --memory or a "
-          "smaller --size",
-          formatBytes(memory_bytes), formatBytes(*least),
+          "--memory {} is too small: each rank needs at least {}{}; give --memory {}, which is "
+          "enough for any picture of this size, or a smaller --size",
+          formatBytes(memory_bytes), *least,
           layers().size() > 1
               ? fmt::format(", and {} channels share the memory evenly", layers().size())
-              : "");
+              : "",
+          enoughForRanks(frame, more_bytes, *least));
     failOfShare(error, layers().size(), least);
   }
 }

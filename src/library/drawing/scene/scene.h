@@ -240,6 +240,9 @@ struct Scene : Layer {
   // The bytes that the sessions need of so much memory.
   uint64_t needOfMemory(const FrameOptions& frame, const MoreBytes& more_bytes,
                         uint64_t of_memory) const;
+  // The memory with which ranks draw any picture of the frame's size, at least `least_bytes`.
+  uint64_t enoughForRanks(const FrameOptions& frame, const MoreBytes& more_bytes,
+                          uint64_t least_bytes) const;
   void openSession(Layer& layer, Partition partition);
   // The layer's next frame, composed.
   Frame nextFrame(Layer& layer);

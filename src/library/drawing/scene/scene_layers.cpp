@@ -120,6 +120,16 @@ uint64_t Scene::needOfMemory(const FrameOptions& frame, const MoreBytes& more_by
   return most * shares.size();
 }
 
+uint64_t Scene::enoughForRanks(const FrameOptions& frame, const MoreBytes& more_bytes,
+                               uint64_t least_bytes) const {
+  uint64_t enough = least_bytes;
+  for (const Layer* layer : layers())
+    enough =
+        std::max(enough, layers().size() * memoryOfAnyParts(frame.size, layer->share->dealing()));
+  const auto needOf = [&](uint64_t memory) { return needOfMemory(frame, more_bytes, memory); };
+  return needOf(enough) > enough ? leastMemoryBytes(needOf, enough) : enough;
+}
+
 FrameOptions Scene::optionsOf(const Layer& layer, const FrameOptions& options) const {
   if (more.empty()) return options;
   const auto all = layers();
