@@ -1,4 +1,6 @@
 // sluice pack in a user's hands: killed, interrupted, out of room, in parallel to another.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,6 +12,7 @@ namespace sluice {
 namespace {
 
 namespace fs = std::filesystem;
+using testing::HasSubstr;
 
 // Takes a second or more on one thread: enough to be interrupted in.
 constexpr const char* kSlow = "synth:noise,dims=200x200x400,type=u16";
@@ -184,6 +187,55 @@ TEST(PackCommand, aNameThatCannotBeMadeIsRefusedBeforePacking) {
 }
 
 // Killed several times at several moments, then left alone.
+// The sum of their voxels wrapped to none.
+TEST(PackCommand, aSeriesOfMoreVoxelsThanAreCountedIsRefused) {
+  const Program program;
+  ASSERT_EQ(program.inFolder("mkdir v_0.zarr").status, 0);
+  writeFile(program.folder / "v_0.zarr" / ".zarray",
+            R"({"zarr_format": 2, "shape": [1048576, 1048576, 524288], "chunks": [256, 256, 256],
+                "dtype": "|u1", "compressor": null, "fill_value": 0, "order": "C",
+                "filters": null})");
+  std::string steps;
+  for (int i = 0; i < 32; ++i) {
+    const std::string name = fmt::format("v_{}.zarr", i);
+    if (i > 0) std::filesystem::create_symlink("v_0.zarr", program.folder / name);
+    steps += " " + name;
+  }
+  const CommandResult refused = program.run("pack -q -o all.zarr" + steps);
+  EXPECT_EQ(refused.status, 1);
+  EXPECT_EQ(refused.output,
+            "sluice: v_0.zarr: expected at most 2^59 voxels in all, found 524288 x 1048576 x "
+            "1048576 in 32 time steps and 1 channel; pack a part of them\n");
+}
+
+TEST(PackCommand, theIndexOfAReplacedStoreGoesWithoutAWord) {
+  const Program program;
+  ASSERT_EQ(program.run("pack synth:shells,dims=24x20x16 -q -o v.zarr").status, 0);
+  const CommandResult replaced =
+      program.run("pack synth:noise,dims=24x20x16 -o v.zarr --force --levels 1 --chunk 4");
+  EXPECT_EQ(replaced.status, 0);
+  EXPECT_THAT(replaced.output, HasSubstr("index built"));
+  EXPECT_THAT(replaced.output, testing::Not(HasSubstr("not used")));
+}
+
+// A billion chunks of which one shard's are there took 8 GB for their numbers.
+TEST(PackCommand, aCheckTakesNoMemoryForChunksThatAreNotThere) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "a sanitizer's own addresses";
+#endif
+  const Program program;
+  ASSERT_EQ(program.run("pack synth:noise,dims=64x64x64 -q -o v.zarr --zarr 3 --chunk 16").status,
+            0);
+  const std::filesystem::path text = program.folder / "v.zarr" / "0" / "zarr.json";
+  auto array = nlohmann::json::parse(readFile(text));
+  array["shape"] = {int64_t{1} << 34, 64, 64};
+  writeFile(text, array.dump());
+  const CommandResult checked =
+      program.inFolder("ulimit -v 2000000 && " SLUICE_PROGRAM " pack --check v.zarr --threads 2");
+  EXPECT_EQ(checked.status, 0) << checked.output;
+  EXPECT_THAT(checked.output, HasSubstr("v.zarr: 64 chunks"));
+}
+
 TEST(PackCommand, killedOrInterruptedItGoesOnToTheSameBytes) {
   const Program program;
   const std::string line = std::string("$SLUICE pack ") + kSlow + kOptions + " --json -o ";

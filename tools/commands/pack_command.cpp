@@ -6,6 +6,7 @@
 #include <bit>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -14,8 +15,10 @@
 #include "src/base/error.h"
 #include "src/base/threads/clock.h"
 #include "src/base/values/bytes.h"
+#include "src/index/index_file.h"
 #include "src/library/opening/step_ranges.h"
 #include "tools/command_line/console.h"
+#include "tools/command_line/environment.h"
 #include "tools/command_line/interrupt.h"
 #include "tools/command_line/number.h"
 #include "tools/command_line/outputs.h"
@@ -98,6 +101,13 @@ std::shared_ptr<const IndexedRanges> indexStore(const PackArguments& arguments, 
   return first;
 }
 
+// Removes the indices of the store that had this name before, which would only be found stale.
+void removeOldIndices(const PackArguments& arguments) {
+  const IndexPlaces places =
+      indexPlaces(arguments.output, indexWish(arguments.resources.index_dir));
+  for (const std::filesystem::path& folder : places.folders) removeIndices(folder);
+}
+
 // A source for each channel; the one that the user asks for alone.
 std::vector<std::unique_ptr<VolumeSource>> openEachChannel(const VolumeArguments& arguments) {
   std::vector<std::unique_ptr<VolumeSource>> channels;
@@ -153,8 +163,7 @@ int pack(const PackArguments& arguments) {
   options.blosc.level = arguments.level != 0                      ? arguments.level
                         : options.blosc.codec == BloscCodec::kLz4 ? kLz4Level
                                                                   : kZstdLevel;
-  const uint64_t bytes = static_cast<uint64_t>(volume(layout.dims) * layout.time_steps) *
-                         channels.size() * bytesPerVoxel(layout.type) * (options.verify ? 2 : 1);
+  const uint64_t bytes = packedBytes(channels) * (options.verify ? 2 : 1);
   PackReport report;
   {
     ProgressMeter progress =
@@ -164,6 +173,7 @@ int pack(const PackArguments& arguments) {
     // The store is whole, its index may not be.
     sayWhenInterrupted("interrupted; the store is complete, and its first use makes its index");
   }
+  if (options.replace) removeOldIndices(arguments);
   const Stopwatch watch;
   const auto kept = indexStore(arguments, channels.size(), pool);
   const IndexedRanges& index = *kept;

@@ -10,6 +10,7 @@
 #include "io/files/file_list.h"
 #include "io/headers/raw/raw_name.h"
 #include "io/headers/raw/raw_writer.h"
+#include "io/headers/volume_description.h"
 #include "io/synth/synth_source.h"
 #include "src/base/error.h"
 #include "src/base/files/numbered_name.h"
@@ -83,8 +84,7 @@ void run(const SynthArguments& arguments) {
   outputsOf(arguments, layout).check();
   requireTrueNames(arguments, layout);
   Workers pool(arguments.threads);
-  const auto bytes =
-      static_cast<uint64_t>(volume(layout.dims) * layout.time_steps) * bytesPerVoxel(layout.type);
+  const auto bytes = static_cast<uint64_t>(checkedVolumeBytes(arguments.output, layout));
   ProgressMeter progress = arguments.quiet
                                ? ProgressMeter()
                                : ProgressMeter(progressLine("writing " + arguments.output), bytes);

@@ -348,6 +348,7 @@ PackReport packZarr(VolumeSource& source, const std::filesystem::path& output,
 PackReport packZarr(ChannelSources channels, const std::filesystem::path& output,
                     const PackOptions& options, WorkerPool& pool, ProgressMeter& progress) {
   requireFreeName(output, options.replace);
+  const uint64_t voxel_bytes = packedBytes(channels);
   VolumeLayout layout = channels.front()->layout();
   if (!options.unit.empty()) layout.unit = options.unit;
   const std::vector<LevelShape> levels = levelsFor(layout, options);
@@ -383,8 +384,7 @@ PackReport packZarr(ChannelSources channels, const std::filesystem::path& output
     report.stored_bytes += chunk.bytes;
     report.empty_chunks += chunk.bytes == 0 ? 1 : 0;
   }
-  report.voxel_bytes = static_cast<uint64_t>(volume(layout.dims) * layout.time_steps) *
-                       channels.size() * bytesPerVoxel(layout.type);
+  report.voxel_bytes = voxel_bytes;
   folder.finish({.replace = options.replace});
   report.pack_seconds = watch.seconds() - report.verify_seconds;
   return report;

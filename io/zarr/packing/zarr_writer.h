@@ -55,6 +55,10 @@ struct PackReport {
 // whatever other channels its file has.
 using ChannelSources = std::span<VolumeSource* const>;
 
+// The decoded bytes of all channels and time steps. Throws Error if they have more voxels than a
+// store may have, 2^59; files of a series may each have as many.
+uint64_t packedBytes(ChannelSources channels);
+
 // Writes all channels and time steps, the stored values as they are, to the folder `output`
 // (NAME.zarr), which appears whole or not at all. The fill value is the background that the first
 // source knows, else 0. Several channels become an axis of the store, named as their file names

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <optional>
 
 #include "io/zarr/packing/zarr_writer.h"
 #include "io/zarr/reading/zarr_source.h"
@@ -8,22 +9,42 @@
 namespace sluice {
 namespace {
 
+// The number in the array of a chunk of a file; nullopt: it lies beyond the array.
+std::optional<int64_t> chunkOfFile(const ZarrArray& array, int64_t file, int64_t chunk) {
+  std::vector<int64_t> index = array.fileIndex(file);
+  for (size_t a = array.axes(); a-- > 0;) {
+    const int64_t along = array.files[a] / array.chunks[a];
+    index[a] = index[a] * along + chunk % along;
+    chunk /= along;
+    if (index[a] >= ceilDiv(array.shape[a], array.chunks[a])) return std::nullopt;
+  }
+  return array.chunkNumber(index);
+}
+
 // Adds the findings on one array to `report`.
 void checkArray(ZarrChunkFiles& files, CheckReport& report, WorkerPool& pool,
                 ProgressMeter& progress, const StopToken& stop) {
   const bool is_listed = files.hasChecksums();
-  // Only the indices of shards know their chunks, and reading one may fail.
-  std::vector<int64_t> chunks = is_listed ? files.existing() : std::vector<int64_t>();
-  for (int64_t i = 0; !is_listed && i < files.array().chunkCount(); ++i) chunks.push_back(i);
+  const ZarrArray& array = files.array();
+  // Chunks are gone through file by file, so that a store of few files takes little memory however
+  // many chunks its metadata tell of. Only the indices of shards know which of them are there, and
+  // reading one may fail.
+  const std::vector<int64_t>& there = files.existing();
+  const int64_t each = array.chunksAFile();
   const auto bytesOf = [&](int64_t chunk) {
-    return is_listed ? files.stored(chunk).bytes : files.array().chunkBytes();
+    return is_listed ? files.stored(chunk).bytes : array.chunkBytes();
   };
-  for (const int64_t chunk : chunks) progress.expect(bytesOf(chunk));
+  for (const int64_t file : there)
+    progress.expect(is_listed ? bytesOf(file) : static_cast<uint64_t>(each) * array.chunkBytes());
   int64_t found = 0;
   Mutex mutex;
-  pool.parallelFor(static_cast<int64_t>(chunks.size()), [&](int64_t i) {
+  pool.parallelFor(static_cast<int64_t>(there.size()) * each, [&](int64_t i) {
     stop.throwIfStopped();
-    const int64_t chunk = chunks[static_cast<size_t>(i)];
+    const std::optional<int64_t> inside =
+        chunkOfFile(array, there[static_cast<size_t>(i / each)], i % each);
+    // A shard at an upper end of the array has room for chunks beyond it.
+    if (!inside) return progress.add(array.chunkBytes());
+    const int64_t chunk = *inside;
     std::string fault;
     uint64_t read = 0;
     try {
