@@ -115,14 +115,33 @@ double weighted(const Values& fine, const std::array<Weights, 3>& weights) {
   return sum;
 }
 
-// Squares of the differences between the coarse voxels of a cell and the values that the fine ones
-// give, as means of `factor` voxels or as single ones, whichever fits better.
-double misfit(const Values& fine, const Values& coarse, const Box3& cell, Vec3d factor,
-              Vec3d offset) {
+// The fine voxels around a box of coarse ones, wherever the coarse voxels lie among them.
+Box3 finerAround(const Box3& coarse, Vec3d factor, Vec3i fine_dims) {
+  Box3 around;
+  for (int a = 0; a < 3; ++a) {
+    const double first = factor[a] * static_cast<double>(coarse.lo[a]) - factor[a] - 1;
+    const double last = factor[a] * static_cast<double>(coarse.hi[a]) + factor[a] + 1;
+    around.lo[a] = std::max<int64_t>(0, static_cast<int64_t>(std::floor(first)));
+    around.hi[a] = std::min(fine_dims[a], static_cast<int64_t>(std::ceil(last)));
+  }
+  return around;
+}
+
+// Squares of the differences between coarse voxels and the values that the fine ones give, as means
+// of several voxels or as single ones.
+struct Misfit {
   double of_means = 0, of_points = 0;
-  for (int64_t z = cell.lo.z; z < cell.hi.z; ++z)
-    for (int64_t y = cell.lo.y; y < cell.hi.y; ++y)
-      for (int64_t x = cell.lo.x; x < cell.hi.x; ++x) {
+
+  // Whichever way the level was made fits better.
+  double least() const { return std::min(of_means, of_points); }
+};
+
+// Adds the misfit of the coarse voxels of a layer of cells.
+void addMisfit(const Values& fine, const Values& coarse, const Box3& layer, Vec3d factor,
+               Vec3d offset, Misfit& sum) {
+  for (int64_t z = layer.lo.z; z < layer.hi.z; ++z)
+    for (int64_t y = layer.lo.y; y < layer.hi.y; ++y)
+      for (int64_t x = layer.lo.x; x < layer.hi.x; ++x) {
         const Vec3d middle = offset + factor * toDouble({x, y, z});
         std::array<Weights, 3> means, points;
         for (int a = 0; a < 3; ++a) {
@@ -130,10 +149,9 @@ double misfit(const Values& fine, const Values& coarse, const Box3& cell, Vec3d 
           points[static_cast<size_t>(a)] = boxWeights(middle[a], 1);
         }
         const double found = coarse.at({x, y, z});
-        of_means += std::pow(found - weighted(fine, means), 2);
-        of_points += std::pow(found - weighted(fine, points), 2);
+        sum.of_means += std::pow(found - weighted(fine, means), 2);
+        sum.of_points += std::pow(found - weighted(fine, points), 2);
       }
-  return std::min(of_means, of_points);
 }
 
 }  // namespace
@@ -177,20 +195,24 @@ std::optional<VoxelOrigin> originOf(VolumeSource& fine, VolumeSource& coarse, Ve
   const Vec3i lo = (dims - side) / 2;
   const Values searched = readValues(coarse, {lo, lo + side});
   const Box3 cell = busiestCell(searched);
-  Box3 around;
-  for (int a = 0; a < 3; ++a) {
-    const double first = factor[a] * static_cast<double>(cell.lo[a]) - factor[a] - 1;
-    const double last = factor[a] * static_cast<double>(cell.hi[a]) + factor[a] + 1;
-    around.lo[a] = std::max<int64_t>(0, static_cast<int64_t>(std::floor(first)));
-    around.hi[a] = std::min(fine.layout().dims[a], static_cast<int64_t>(std::ceil(last)));
+  const Box3 around = finerAround(cell, factor, fine.layout().dims);
+  for (int a = 0; a < 3; ++a)
     if (around.hi[a] - around.lo[a] > kMostFineSide || around.hi[a] <= around.lo[a])
       return std::nullopt;
+  Misfit corner_sum, centre_sum;
+  // One layer of coarse voxels at a time: all fine voxels of a cell would take up to 134 MB.
+  for (Box3 layer = cell; layer.lo.z < cell.hi.z; ++layer.lo.z) {
+    layer.hi.z = layer.lo.z + 1;
+    Box3 finer_box = around;
+    const Box3 of_layer = finerAround(layer, factor, fine.layout().dims);
+    // A level may be rounded up beyond the last fine voxel, which then stands for those beyond it.
+    finer_box.lo.z = std::min(of_layer.lo.z, around.hi.z - 1);
+    finer_box.hi.z = std::max(of_layer.hi.z, finer_box.lo.z + 1);
+    const Values finer = readValues(fine, finer_box);
+    addMisfit(finer, searched, layer, factor, offsetOf(VoxelOrigin::kCorner, factor), corner_sum);
+    addMisfit(finer, searched, layer, factor, offsetOf(VoxelOrigin::kCentre, factor), centre_sum);
   }
-  const Values finer = readValues(fine, around);
-  const double corner =
-      misfit(finer, searched, cell, factor, offsetOf(VoxelOrigin::kCorner, factor));
-  const double centre =
-      misfit(finer, searched, cell, factor, offsetOf(VoxelOrigin::kCentre, factor));
+  const double corner = corner_sum.least(), centre = centre_sum.least();
   constexpr double kClearly = 0.7;
   if (corner < kClearly * centre) return VoxelOrigin::kCorner;
   if (centre < kClearly * corner) return VoxelOrigin::kCentre;

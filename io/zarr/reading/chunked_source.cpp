@@ -100,29 +100,48 @@ std::optional<StoredReads> ChunkedSource::storedReads(int64_t time, std::span<co
                                                       uint64_t held_bytes) {
   std::map<const VolumeSource*, ChunkedSource*> sources{{nullptr, this}};
   for (ChunkedSource* source : sourcesAbove()) sources.emplace(source, source);
-  std::map<ChunkedSource*, std::vector<int64_t>> needed;
-  uint64_t decoded_bytes = 0;
-  int64_t uses = 0;
+  std::map<ChunkedSource*, std::vector<Box3>> needed;
   for (const LevelBox& box : boxes) {
     const auto found = sources.find(box.level);
-    if (found == sources.end() || box.box.empty()) continue;
-    ChunkedSource* source = found->second;
-    std::vector<int64_t>& numbers = needed[source];
-    source->eachChunk(time, box.box, [&](Vec3i /*corner*/, int64_t number) {
-      numbers.push_back(number);
-      ++uses;
-    });
+    if (found != sources.end() && !box.box.empty()) needed[found->second].push_back(box.box);
   }
   StoredReads reads;
-  for (auto& [source, numbers] : needed) {
+  for (auto& [source, of_source] : needed) reads += source->storedReads(time, of_source);
+  // Boxes are read by several threads, so that no order of them is certain.
+  if (reads.decoded_bytes <= held_bytes) reads.decodes = reads.chunks;
+  return reads;
+}
+
+StoredReads ChunkedSource::storedReads(int64_t time, std::vector<Box3>& boxes) {
+  std::sort(boxes.begin(), boxes.end(),
+            [](const Box3& a, const Box3& b) { return a.lo.z < b.lo.z; });
+  const int64_t depth = voxelsOf(array_->array().files).z;
+  StoredReads reads;
+  std::vector<Box3> active;
+  std::vector<int64_t> numbers;
+  // One layer of files after the other, so that no list has all chunks of a large level. No file
+  // lies in two layers.
+  for (size_t next = 0; next < boxes.size() || !active.empty();) {
+    int64_t from = active.empty() ? boxes[next].lo.z : INT64_MAX;
+    for (const Box3& box : active) from = std::min(from, box.lo.z);
+    const int64_t end = (from / depth + 1) * depth;
+    for (; next < boxes.size() && boxes[next].lo.z < end; ++next) active.push_back(boxes[next]);
+    numbers.clear();
+    for (Box3& box : active) {
+      Box3 inside = box;
+      inside.hi.z = std::min(inside.hi.z, end);
+      eachChunk(time, inside, [&](Vec3i /*corner*/, int64_t number) { numbers.push_back(number); });
+      box.lo.z = inside.hi.z;
+    }
+    std::erase_if(active, [](const Box3& box) { return box.empty(); });
+    const auto uses = static_cast<int64_t>(numbers.size());
     std::sort(numbers.begin(), numbers.end());
     numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
-    reads += source->array_->storedReads(numbers);
-    decoded_bytes += numbers.size() * source->array_->array().chunkBytes();
+    StoredReads layer = array_->storedReads(numbers);
+    layer.decoded_bytes = numbers.size() * array_->array().chunkBytes();
+    layer.decodes = uses;
+    reads += layer;
   }
-  reads.decoded_bytes = decoded_bytes;
-  // Boxes are read by several threads, so that no order of them is certain.
-  reads.decodes = decoded_bytes <= held_bytes ? reads.chunks : uses;
   return reads;
 }
 

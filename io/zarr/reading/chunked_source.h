@@ -107,6 +107,9 @@ class ChunkedSource : public VolumeSource,
   // Calls `visit` with the number of each chunk that a box needs.
   template <class Visit>
   void eachChunk(int64_t time, const Box3& box, const Visit& visit) const;
+  // The reads of boxes of this level at a time step, with StoredReads::decodes for no memory. Sorts
+  // the boxes.
+  StoredReads storedReads(int64_t time, std::vector<Box3>& boxes);
   // Sets their placements, some of which their metadata leave open.
   void placeLevels(const ChunkedVolume& volume, const std::vector<size_t>& datasets);
   // Gives the levels of other kinds the places of those.
