@@ -1,7 +1,6 @@
 #include "tools/scene/ranks.h"
 
 #include <fcntl.h>
-#include <sched.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -16,6 +15,7 @@
 #include "tools/command_line/environment.h"
 #include "tools/command_line/interrupt.h"
 #include "tools/commands/commands.h"
+#include "tools/scene/processors.h"
 
 namespace sluice {
 namespace {
@@ -28,11 +28,7 @@ std::string placeOfProcess() {
   std::array<char, 256> host{};
   gethostname(host.data(), host.size() - 1);
   std::string place = host.data();
-  cpu_set_t processors;
-  CPU_ZERO(&processors);
-  if (sched_getaffinity(0, sizeof processors, &processors) == 0)
-    for (int i = 0; i < CPU_SETSIZE; ++i)
-      if (CPU_ISSET(i, &processors)) place += fmt::format(" {}", i);
+  for (const int processor : processorsOfProcess()) place += fmt::format(" {}", processor);
   return place;
 }
 
