@@ -187,24 +187,25 @@ class StackOrder {
     for (const double gap : gaps) sum += gap;
     if (sorted.back() - sorted.front() <= kAlike * median)
       return sum / static_cast<double>(gaps.size());
-    int64_t missing = 0;
+    // A number of any size: one wrong position may be further away than integers count.
+    double missing = 0;
     size_t widest = 0;
     bool are_whole = true;
     for (size_t i = 0; i < gaps.size(); ++i) {
       const double times = gaps[i] / median;
       are_whole = are_whole && times > 1 - kWhole &&
                   std::abs(times - std::round(times)) <= kWhole * std::round(times);
-      missing += std::max<int64_t>(std::llround(times) - 1, 0);
+      missing += std::max(std::round(times) - 1, 0.0);
       if (gaps[i] > gaps[widest]) widest = i;
     }
     const std::string between = fmt::format("{} and {}", headerOf(inPlace(widest)).path,
                                             headerOf(inPlace(widest + 1)).path);
     if (are_whole && missing > 0)
-      note(
-          fmt::format("{} slices are missing, {} mm apart as the others are, most of them between "
-                      "{}; the slices "
-                      "on both sides of a gap become neighbours",
-                      missing, median, between));
+      note(fmt::format(
+          "{:.15g} slices are missing, {} mm apart as the others are, most of them between "
+          "{}; the slices "
+          "on both sides of a gap become neighbours",
+          missing, median, between));
     else
       note(fmt::format(
           "its slices are {} to {} mm apart, the furthest {}; they are drawn {} mm apart",

@@ -170,6 +170,13 @@ series(folder, ct, name="P{:03d}")
 for name in os.listdir(folder):
     if pydicom.dcmread(os.path.join(folder, name)).ImagePositionPatient[2] in (40.0, 42.5):
         os.remove(os.path.join(folder, name))
+folder = os.path.join(root, "far")  # one slice is further away than integers count slices
+os.makedirs(folder)
+series(folder, ct, name="P{:03d}")
+last = sorted(os.listdir(folder), key=lambda name: pydicom.dcmread(os.path.join(folder, name)).ImagePositionPatient[2])[-1]
+far = pydicom.dcmread(os.path.join(folder, last))
+far.ImagePositionPatient[2] = "1e25"
+far.save_as(os.path.join(folder, last))
 folder = listed("copies", ct)
 series(folder, ct)
 shutil.copy(os.path.join(folder, "I003"), os.path.join(folder, "Z003"))

@@ -97,6 +97,7 @@ TEST_F(DicomSeries, lieInThePatientAsTheirPositionsSay) {
 
 TEST_F(DicomSeries, sayWhatIsMissingOrTwiceThere) {
   EXPECT_THAT(notesOf("missing"), ElementsAre(HasSubstr("2 slices are missing")));
+  EXPECT_THAT(notesOf("far"), ElementsAre(HasSubstr("4e+24 slices are missing")));
   EXPECT_THAT(notesOf("copies"),
               ElementsAre(AllOf(HasSubstr("1 of its slices are there twice"), HasSubstr("Z003"))));
   EXPECT_THAT(notesOf("times"), ElementsAre(HasSubstr("3 slices, which are read as time steps")));
