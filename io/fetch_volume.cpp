@@ -107,6 +107,38 @@ bool isOrigin(const std::string& text) {
          text.find_first_not_of("0123456789abcdef", end + 1) == text.size() - 1;
 }
 
+// Makes a folder with those above it. At the end, the ones that it made and that hold nothing go.
+class MadeFolders {
+ public:
+  explicit MadeFolders(fs::path folder) {
+    std::error_code ignored;  // opening a file in the folder tells why there is none
+    for (fs::path at = std::move(folder); !at.empty() && !fs::exists(at, ignored);
+         at = at.parent_path())
+      made_.push_back(at);
+    if (!made_.empty()) fs::create_directories(made_.front(), ignored);
+  }
+  ~MadeFolders() {
+    std::error_code holds_something;
+    for (const fs::path& folder : made_) fs::remove(folder, holds_something);
+  }
+  MadeFolders(const MadeFolders&) = delete;
+  MadeFolders& operator=(const MadeFolders&) = delete;
+
+ private:
+  std::vector<fs::path> made_;  // the deepest first
+};
+
+// Removes the folders below and including `root` that hold no file.
+void removeEmptyFolders(const fs::path& root) {
+  std::error_code ignored;
+  std::vector<fs::path> folders{root};
+  for (fs::recursive_directory_iterator it(root, ignored), end; !ignored && it != end;
+       it.increment(ignored))
+    if (it->is_directory(ignored) && !it->is_symlink(ignored)) folders.push_back(it->path());
+  // A folder comes after the one that it lies in, so that the deepest are tried first.
+  for (size_t i = folders.size(); i-- > 0;) fs::remove(folders[i], ignored);
+}
+
 // The array that a metadata file describes; nullopt: it is a group's.
 std::optional<ZarrArray> arrayIn(const std::string& name, const std::string& text,
                                  const std::string& path) {
@@ -133,7 +165,9 @@ class StoreFetch {
 
   FetchedVolume run(const std::string& address) {
     const std::set<std::string> metadata = findMetadata(address);
+    const MadeFolders above(origin_path_.parent_path());
     const Descriptor origin = takeOrigin(metadata);
+    const Leftovers leftovers{part_, origin_path_};
     // The metadata first: they are small, and say which chunks there are.
     for (const std::string& key : metadata) fetchOne(key);
     for (const std::string& key : metadata) fetchArray(key);
@@ -149,6 +183,16 @@ class StoreFetch {
   }
 
  private:
+  // Whatever ends a fetch, no folder without a file stays; nor does the origin of no file at all.
+  struct Leftovers {
+    const fs::path &part, &origin;
+    ~Leftovers() {
+      removeEmptyFolders(part);
+      std::error_code ignored;
+      if (!fs::exists(part, ignored)) fs::remove(origin, ignored);
+    }
+  };
+
   // The keys of all metadata below the root, of the volume and of its levels.
   std::set<std::string> findMetadata(const std::string& address) const {
     const auto recording = std::make_shared<RecordingStore>(root_.store);
@@ -182,12 +226,11 @@ class StoreFetch {
     const std::string origin = fmt::format("{}\n{}\n", root_.name(), sha.finish());
     const std::string path = origin_path_.string();
     std::error_code error;
-    if (origin_path_.has_parent_path()) fs::create_directories(origin_path_.parent_path(), error);
     Descriptor file = openAlone(path);
     if (!file) fail("{}: another process is fetching it", target_.string());
     const std::string known = textIn(file);
     if (known == origin) return file;
-    if (!isOrigin(known) && (!known.empty() || fs::exists(part_))) {
+    if (!isOrigin(known) && (!known.empty() || fs::exists(part_, error))) {
       if (known.empty()) fs::remove(origin_path_, error);
       fail("{}: expected nothing of this name, or what a fetch began; move or remove it",
            known.empty() ? part_.string() : path);

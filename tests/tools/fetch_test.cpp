@@ -132,6 +132,24 @@ TEST_F(FetchProgram, copiesAStoreThatIsDrawnAlike) {
   EXPECT_EQ(slash.status, 0) << slash.output;
 }
 
+// Empty folders looked like parts of a store.
+TEST_F(FetchProgram, leavesNoEmptyFoldersWhenItFails) {
+  const Program at_server;
+  ASSERT_EQ(
+      at_server.run("pack synth:shells,dims=90x80x70 -q -o v.zarr --zarr 3 --chunk 32").status, 0);
+  const WebServer server(at_server.folder.path(), "later");
+  const CommandResult failed =
+      program_.run("fetch " + server.address() + "/v.zarr -o new/folder/v.zarr");
+  EXPECT_EQ(failed.status, 1) << failed.output;
+  EXPECT_EQ(program_.inFolder("find . -name cache -prune -o -type d -empty -print").output, "");
+  EXPECT_TRUE(program_.exists("new/folder/v.zarr.part/zarr.json"))
+      << "the next run goes on with it";
+  // A folder that somebody's file has the name of cannot be made.
+  writeFile(program_.folder / "file", "mine");
+  EXPECT_EQ(program_.run("fetch " + server.address() + "/v.zarr -o file/v.zarr").status, 1);
+  EXPECT_EQ(readFile(program_.folder / "file"), "mine");
+}
+
 // Nothing is fetched before the terms are accepted: the name's server is not asked.
 TEST_F(FetchProgram, showsTheTermsOfANamedVolumeFirst) {
   const CommandResult shown = program_.run("fetch bonsai");
