@@ -8,9 +8,11 @@ namespace {
 using View = ViewOptions;
 using Form = OptionForm;
 
+// An eye and a target say where the camera is, which leaves nothing for angles and fits to add.
 bool hasNoPlace(const ViewState& state) {
   return !state.view.look_at;
 }
+// Parallel rays have no angle between them.
 bool hasPerspective(const ViewState& state) {
   return state.view.projection == View::Projection::kPerspective;
 }

@@ -20,12 +20,15 @@ void assign(PictureOptions::Plane& plane, const OptionReals& n) {
   plane = {{n[0], n[1], n[2]}, n[3]};
 }
 
+// Channels, labels and surfaces are one text each in options and files, so that their own parsers
+// remain the only ones.
 std::string textOf(const LookOptions::Channel& channel) {
   ChannelLook look{.channel = channel.channel, .map = channel.map, .opacity = channel.opacity};
   if (channel.range) look.range = {(*channel.range)[0], (*channel.range)[1]};
   return channelLookText(look);
 }
 void assign(LookOptions::Channel& channel, const std::string& text) {
+  // The rules of the option have refused any other text before it comes here.
   const std::optional<ChannelLook> look = parseChannelLook(text);
   SLUICE_CHECK(look.has_value());
   channel = {.channel = look->channel, .map = look->map, .opacity = look->opacity};

@@ -37,10 +37,12 @@ class Visitor {
   void operator()(OptionReals& reals) {
     const OptionReals before = reals;
     for (double& number : reals) (*this)(number);
+    // Numbers between two valid values may be invalid together: a range must not become empty.
     if (form_ == OptionForm::kRange && reals[0] == reals[1]) reals = before;
   }
   void operator()(OptionWholes& wholes) {
     for (int64_t& whole : wholes) (*this)(whole);
+    // The thinnest box that shows anything is two voxels wide.
     for (size_t a = 0; form_ == OptionForm::kBox && a < 3; ++a)
       wholes[a + 3] = std::max(wholes[a + 3], wholes[a] + 2);
   }
@@ -49,7 +51,9 @@ class Visitor {
       OptionReals& list = lists[i];
       const OptionReals before = list;
       for (double& number : list) (*this)(number);
+      // Points stay in ascending order, as their option demands.
       if (form_ == OptionForm::kPoints && i > 0) list[0] = std::max(list[0], lists[i - 1][0]);
+      // Half way between two opposite normals there is none.
       if (form_ == OptionForm::kPlanes && length(Vec3d{list[0], list[1], list[2]}) < 1e-6)
         list = before;
     }
@@ -66,6 +70,7 @@ class Visitor {
   void visit(std::optional<double>& number) {
     const size_t at = found_.numbers.size();
     found_.numbers.push_back(number);
+    // An automatic number stays automatic, since it has nothing to go on from.
     if (given_ != nullptr && number && (*given_)[at]) number = (*given_)[at];
   }
   void surface(std::string& text) {

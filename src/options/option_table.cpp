@@ -31,11 +31,13 @@ size_t numbersOf(OptionForm form) {
       return 4;
     case OptionForm::kBox:
       return 6;
+      // The others are lists of any length, or are no numbers.
     default:
       return 0;
   }
 }
 
+// Made at the first call and never changed, so that all threads may read it.
 const std::vector<OptionEntry>& optionTable() {
   static const std::vector<OptionEntry> table = makeTable();
   return table;

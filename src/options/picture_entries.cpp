@@ -8,13 +8,16 @@ using Picture = PictureOptions;
 using Lighting = PictureOptions::Lighting;
 using Form = OptionForm;
 
+// Rays of single values are the default, with which views are saved without the word.
 bool hasQuality(const ViewState& state) {
   return state.quality != Picture::Quality::kPlain;
 }
+// Samples of surfaces and labels are not integrated, so that the quality changes nothing there.
 bool isIntegrated(const ViewState& state) {
   return hasQuality(state) && hasColors(state) && state.look.surfaces.empty() &&
          !hasLabelsOfAnyKind(state);
 }
+// Light that is not asked for may still be chosen with the look, so only a refusal hides it.
 bool mayBeLit(const ViewState& state) {
   return hasColors(state) && state.look.light != LookOptions::Light::kOff;
 }
@@ -23,6 +26,7 @@ bool stepCounts(const ViewState& state) {
   return hasColors(state) || isAttenuated(state) ||
          state.look.mode == LookOptions::Mode::kAverage || state.step_vox.value_or(1) < 1;
 }
+// Commands draw step 0 without the option.
 bool isLater(const ViewState& state) {
   return state.time != 0;
 }
@@ -31,6 +35,7 @@ bool isLater(const ViewState& state) {
 
 std::vector<OptionEntry> pictureEntries() {
   const OptionKind share{Form::kNumber, kShareRange};
+  // An effect that is named without a number is meant in full.
   const OptionKind bare_share{.form = Form::kNumber, .limits = kShareRange, .bare = "1"};
   return {
       in(&Picture::time, {.key = "time",
@@ -241,6 +246,7 @@ std::vector<OptionEntry> pictureEntries() {
           .kind = {Form::kFlag},
           .help = "Refines parts where level 0 shows something thinner than two coarse voxels",
           .part = OptionPart::kPicture}),
+      // The window alone has these, so that they have no option and no help.
       in(&ViewState::cross, {.key = "cross", .kind = {Form::kVoxel, {0}, "a voxel"}}),
       in(&ViewState::shows_slices, {.key = "slices", .kind = {Form::kFlag}}),
   };

@@ -34,6 +34,7 @@ struct ReportArguments {
 NamedReport readReport(const std::string& file) {
   const json report =
       json::parse(readTextFile(file, kMostBytes, "a report", interruption()), nullptr, false);
+  // Every report of sluice names its command; other JSON would be a table of nonsense.
   if (report.is_discarded() || !report.is_object() || !report.contains("command"))
     fail(
         "{}: expected a report that sluice wrote as JSON (--report FILE.json, or --json), found {}",
@@ -72,6 +73,7 @@ void print(const std::vector<NamedReport>& runs) {
 
 int run(const ReportArguments& arguments) {
   Outputs outputs(arguments.force);
+  // The page must not replace one of the reports that it is made of.
   outputs.reads(arguments.files);
   outputs.writes("-o", arguments.output, FileKind::kPage);
   outputs.check();

@@ -14,6 +14,7 @@ namespace sluice {
 using nlohmann::json;
 
 void printCulling(const json& report) {
+  // Rows lack the ways that were not asked for.
   const auto numberOf = [](const json& of, const char* name) {
     return of.contains(name) ? fmt::format("{:.6g}", of[name].get<double>()) : std::string("-");
   };
@@ -62,6 +63,7 @@ void printCulling(const json& report) {
           formatBytes(row["bytes_unshared"].get<uint64_t>()), row["coherent_share"].get<double>(),
           row["visible_blocks"].get<int64_t>());
   }
+  // The whole series is drawn only if the bench was asked to.
   if (!report.contains("series_seconds")) return;
   say("\n");
   for (const char* name : {"none", "opof", "toc"})

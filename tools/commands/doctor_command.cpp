@@ -21,6 +21,7 @@
 namespace sluice {
 namespace {
 
+// A build without OpenGL has no probe, and the page then tells that no OpenGL works.
 #if !SLUICE_HAS_GL
 struct GlProbe {
   std::string backend, device;
@@ -40,6 +41,7 @@ struct Chosen {
 };
 Chosen chosenOf(const std::vector<GlProbe>& probes) {
   for (const GlProbe& probe : probes)
+    // --device auto tries EGL alone, which draws without a window.
     if (probe.works && !probe.is_software && probe.backend == "egl")
       return {"gl", "a GPU's driver works: " + probe.renderer};
   if (std::any_of(probes.begin(), probes.end(), [](const GlProbe& each) { return each.works; }))

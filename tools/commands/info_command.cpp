@@ -157,8 +157,10 @@ Command addInfo(CLI::App& program) {
   return [arguments] {
     Workers pool(arguments->resources.threads);
     IndexNeeds needs = kUsualNeeds;
+    // Opening does not look at levels that the usual picture has no use for.
     if (arguments->levels) needs.levels = LevelNeeds::kAll;
     const IndexedVolume volume = openIndexed(arguments->volume, arguments->resources, needs, pool);
+    // info prints the look that render chooses for a first picture.
     LookArguments look;
     look.first_picture = true;
     const ChosenLook chosen = lookFor(volume, look, Mode::kComposite);

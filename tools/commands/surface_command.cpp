@@ -64,6 +64,7 @@ nlohmann::json reportOf(const SurfaceArguments& arguments, const CLI::App& app,
 }
 
 int run(SurfaceArguments& arguments, const CLI::App& app) {
+  // The name is checked before the volume is opened, which may take minutes.
   const MeshFormat format = formatOf(arguments.output);
   Outputs outputs(arguments.force);
   outputs.reads(arguments.volume.inputs);
@@ -82,6 +83,7 @@ int run(SurfaceArguments& arguments, const CLI::App& app) {
     made = makeSurface(volume, arguments.surface, file,
                        {pool, progress, memoryBudget(arguments.resources), interruption()});
   }
+  // The bytes reach the disk here, which is a time of its own in the report.
   const Stopwatch watch;
   file.commit();
   const double write_seconds = watch.seconds();

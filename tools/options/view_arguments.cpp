@@ -23,8 +23,10 @@ ViewedVolume viewedVolume(const VolumeArguments& volume, const ResourceArguments
 
 VolumeOptions::Web webOf(const WebOptions& web, const std::vector<std::string>& paths) {
   BucketAccess buckets = web.buckets;
+  // Keys are looked for only if a bucket is named: a broken profile must not end other commands.
   if (web.find_buckets && std::ranges::any_of(paths, isBucketAddress)) buckets = web.find_buckets();
   VolumeOptions::Web options = webAccess(buckets);
+  // A cache that was asked for and has no place would be left out without a word.
   if (web.cache.budget_bytes > 0 && web.cache.folder.empty()) failSystem("{}", kNoCacheFolder);
   options.cache_folder = web.cache.folder.string();
   options.cache_bytes = web.cache.budget_bytes;
@@ -41,6 +43,7 @@ ViewState viewState(const ViewState& asked, const VolumeArguments& volume,
   state.look.labels = look.labels;
   if (look.shade) state.look.light = LookOptions::Light::kOn;
   if (look.no_shade) state.look.light = LookOptions::Light::kOff;
+  // The share means nothing to a look that does not follow gradients.
   if (look.modulate) state.look.full_gradient = look.full_gradient;
   return state;
 }

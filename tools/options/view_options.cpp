@@ -20,6 +20,7 @@ TableOptions frameTable(CLI::App& app, const AskedView& asked, FrameOptions& opt
   return {app, asked, [&options](const ViewState& state) {
             setDrawing(state, options);
             if (state.crop) options.crop = cropOf(*state.crop);
+            // This runs for each option that is given, and planes must not add up.
             options.clip_planes.clear();
             for (const auto& [n, offset] : state.clip_planes)
               options.clip_planes.push_back({{n[0], n[1], n[2]}, offset});
@@ -28,6 +29,7 @@ TableOptions frameTable(CLI::App& app, const AskedView& asked, FrameOptions& opt
 
 void addCameraOptions(CLI::App& app, const AskedView& asked, Camera& camera) {
   const OptionEntry& from = optionEntry("--view");
+  // The commands differ in the view that they begin with.
   from.set(*asked, std::string(name(camera.view)));
   asked->view.azimuth_deg = camera.azimuth_deg;
   asked->view.elevation_deg = camera.elevation_deg;
@@ -105,6 +107,7 @@ AskedView addPictureOptions(CLI::App& app, LookArguments& look, FrameOptions& fr
   auto asked = std::make_shared<ViewState>();
   look.first_picture = true;
   addLookOptions(app, asked, look, frame);
+  // A first look from an oblique direction shows three sides of the volume.
   frame.camera.view = ViewName::kThreeQuarter;
   addViewOptions(app, asked, frame);
   CLI::Option* step = app.get_option("--step");

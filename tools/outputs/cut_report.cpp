@@ -69,6 +69,7 @@ std::string cutLine(const CutSummary& cut) {
           : fmt::format(
                 "{:.1f} % of what shows is drawn coarser than it is stored, at level {}, {}",
                 100 * cut.coarse_share, levels, originText(cut));
+  // The spread of labels is the share of voxels with other labels, not a distance of values.
   if (cut.spread && cut.values == LevelValues::kModes)
     line += fmt::format("; up to {:.0f} % of a voxel has other labels, {:.1f} % on average",
                         100 * cut.spread->largest, 100 * cut.spread->mean);
@@ -79,6 +80,7 @@ std::string cutLine(const CutSummary& cut) {
     line += fmt::format("; {} block{} parts thinner than two voxels, --keep-thin refines {}",
                         cut.thin_blocks, cut.thin_blocks == 1 ? " has" : "s have",
                         cut.thin_blocks == 1 ? "it" : "them");
+  // A user who sees a coarse picture wants to know which limit to raise.
   if (!cut.is_final) line += "; --memory, --max-bytes or --time-limit ended the refinement";
   return line;
 }

@@ -93,6 +93,7 @@ json plainFrameJson(const RenderedFrame& frame) {
 json frameJson(const RenderedFrame& frame) {
   json made = plainFrameJson(frame);
   if (const Vec3i texels = frame.report.light_texels; texels.x > 0)
+    // Pictures whose light does not look around have no such grid.
     made["light"] = {{"texels", {texels.x, texels.y, texels.z}},
                      {"seconds", frame.report.stages.light}};
   if (frame.layers.size() > 1) made["channels"] = channelsJson(frame.layers);

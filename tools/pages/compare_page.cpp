@@ -17,7 +17,9 @@ namespace {
 
 using nlohmann::json;
 
+// These members say what was asked for. Their numbers are no measurements.
 constexpr std::array<std::string_view, 5> kMadeBy = {"options", "volume", "look", "gl", "version"};
+// More bars than this are no help to the eye; the table below has all numbers.
 constexpr size_t kMostSpeeds = 40;
 
 Leaves measuredOf(const json& report) {
@@ -52,6 +54,7 @@ std::string optionsSection(std::span<const NamedReport> runs) {
   }
   std::vector<HtmlRow> rows;
   for (const auto& [name, values] : options) {
+    // An option that all runs share explains no difference between them.
     if (std::set<std::string>(values.begin(), values.end()).size() == 1) continue;
     HtmlRow row{name};
     row.insert(row.end(), values.begin(), values.end());
@@ -97,6 +100,7 @@ std::vector<ComparedNumber> compared(std::span<const NamedReport> runs) {
   std::map<std::string, size_t> places;
   for (size_t run = 0; run < runs.size(); ++run)
     for (auto& [name, value] : measuredOf(runs[run].report)) {
+      // Rows keep the order in which the first run that has them tells them.
       const auto [place, is_new] = places.try_emplace(name, numbers.size());
       if (is_new) numbers.push_back({name, std::vector<json>(runs.size())});
       numbers[place->second].values[run] = value;

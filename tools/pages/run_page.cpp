@@ -25,6 +25,7 @@ constexpr std::array<std::array<const char*, 2>, 3> kClasses = {
      {"black", "black: all of it is drawn"}}};
 constexpr std::array<int, 3> kClassHues = {6, 8, 0};
 
+// Reports of older versions lack members that newer ones have.
 double numberAt(const json& object, const char* name) {
   const auto at = object.find(name);
   return at != object.end() && at->is_number() ? at->get<double>() : 0;
@@ -172,6 +173,7 @@ std::string blocksSection(const json& report, const PagePictures& pictures) {
 std::string wholeSection(const json& report) {
   return "<details><summary>All of it as JSON</summary><pre>" + [&report] {
     std::string text;
+    // Bytes that are no UTF-8 come from names of files; they must not break the page.
     for (const char c : report.dump(2, ' ', false, json::error_handler_t::replace))
       text += c == '\n' ? std::string("\n") : escapeHtml({&c, 1});
     return text;
@@ -199,6 +201,7 @@ std::string commandLineOf(const json& report) {
     if (name == "volume")
       for (const json& file : value.is_array() ? value : json::array({value})) add(file);
   for (const auto& [name, value] : report["options"].items()) {
+    // A flag that was not given has no word in the command.
     if (name == "volume" || value == false) continue;
     line += " --" + name;
     if (value.is_array())

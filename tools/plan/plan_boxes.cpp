@@ -29,6 +29,7 @@ PlannedBoxes planBoxes(const BoxesWish& wish, const IndexedVolume& volume,
   BoxIndexWriter index(*volume.source, volume.places, wish.time, ranges);
   planned.cost = partitionCost(
       *volume.source, wish.time, ranges, shown.look->table, crop, pool, progress,
+      // The other half holds what the plan is made of.
       std::min(memoryBudget(wish.resources) / 2, kMostGrowingBytes),
       [&](int64_t block, const BoxTree& tree) { index.add(block, tree); }, interruption());
   planned.pieces_kept = index.piecesWritten();

@@ -64,6 +64,7 @@ void print(const AlgorithmCosts& costs, Algorithm algorithm, double classify_sec
 nlohmann::json reportOf(const PlanToReport& plan) {
   nlohmann::json report = channelJson(plan, 0, sumOf(plan.channels));
   report["volume"] = volumeJson(*plan.channels.front().share.look.volume);
+  // Readers of a plan of one channel find its numbers at the top alone.
   if (plan.channels.size() == 1) return report;
   for (size_t i = 0; i < plan.channels.size(); ++i) {
     const ShownChannel& shown = plan.channels[i].share.look.volume->channel;
@@ -88,6 +89,7 @@ void printIndices(const PlanToReport& plan) {
   for (size_t i = 0; i < plan.channels.size(); ++i) {
     const IndexedVolume& volume = *plan.channels[i].share.look.volume;
     if (volume.stand_in) say("{}\n", volume.standInNote());
+    // A plan that took minutes owes the reason, and whether the next one takes them again.
     if (!volume.stand_in && volume.index->state != "read")
       say("index {}: this plan has read the whole volume for it, {}\n", volume.index->state,
           volume.index->path.empty() ? "and so will the next one" : "the next one reads no voxel");

@@ -34,6 +34,7 @@ std::string requestsText(const StoredReads& reads) {
 std::optional<PassForecast> passOverServer(const VolumeArguments& volume, const LookArguments& look,
                                            const ResourceArguments& resources,
                                            const FrameOptions& frame) {
+  // Local files are read in the first pass anyway; only a server makes its bytes a question.
   if (!isAddress(volume.inputs.front())) return std::nullopt;
   std::optional<PassForecast> all;
   for (const ChannelSource& channel : openChannels(volume)) {
@@ -47,6 +48,7 @@ std::optional<PassForecast> passOverServer(const VolumeArguments& volume, const 
       continue;
     }
     all->reads += pass->reads;
+    // The channels are told as one pass, at the finest level that any of them reads.
     all->level = std::min(all->level, pass->level);
     all->is_all = all->is_all || pass->is_all;
   }
@@ -70,6 +72,7 @@ std::string passLine(const VolumeArguments& volume, const PassForecast& pass) {
 
 void addStoreJson(nlohmann::json& report, const Forecast& forecast,
                   const std::optional<PassForecast>& pass) {
+  // A volume that is no store of chunks has no chunks to count.
   if (!forecast.stored && !pass) return;
   StoredReads all = forecast.stored.value_or(StoredReads());
   nlohmann::json store = storeJson(all);
@@ -84,6 +87,7 @@ void addStoreJson(nlohmann::json& report, const Forecast& forecast,
 
 void printStore(const StoredReads& reads, bool is_distant) {
   if (is_distant) say("asks the server for {} chunks: {}\n", reads.chunks, requestsText(reads));
+  // Uncompressed chunks are not decoded, and nothing is said of them.
   if (reads.chunks == 0 || reads.decodes <= 0) return;
   if (reads.decodes <= reads.chunks) {
     say("decodes {} chunks, each once\n", reads.chunks);

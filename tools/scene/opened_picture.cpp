@@ -32,7 +32,9 @@ OpenedPicture openPicture(PictureRequest request, FinestLevel finest, const Outp
   opened.transfers.reserve(opened.volumes.size());
   for (const IndexedVolume& volume : opened.volumes)
     opened.transfers.push_back(lookFor(volume, request.look, frame.mode).transfer);
+  // Names of channels are checked once it is known which channels there are.
   requireShown(request.look, opened.shown());
+  // One camera shows all volumes, so that it is fitted to them together.
   std::vector<FittedVolume> fitted;
   for (const LayerLook& look : opened.looks())
     fitted.push_back({*look.volume, look.volume->step(), *look.transfer});
@@ -54,6 +56,7 @@ std::vector<std::string> idleOptions(const std::set<std::string>& given, const L
                                      const FrameOptions& frame, const CullingArguments& culling,
                                      const MachineOptions& machine, const OpenedPicture& opened) {
   PictureFacts facts = pictureFacts(look, frame, culling, machine, opened.looks());
+  // Plans and turns of the simulator draw no picture.
   facts.is_drawn = false;
   std::vector<std::string> lines = idleOptions(given, facts);
   for (std::string& line : lines) line = fmt::format("{}: {}", opened.volumes.front().name, line);

@@ -9,6 +9,7 @@
 namespace sluice {
 namespace {
 
+// A trace does not tell how large the cache was that it was recorded with.
 constexpr uint64_t kDefaultTracePages = 256;
 
 class TraceFile final : public ReplaySource {
@@ -20,6 +21,7 @@ class TraceFile final : public ReplaySource {
   std::optional<uint64_t> plannedPages(uint64_t /*pages*/) const override { return std::nullopt; }
 
   PreparedTrace requests(uint64_t /*pages*/) override {
+    // Records are dropped as soon as they are prepared: a trace may be larger than memory.
     const auto reader = openTrace(file_, format_, page_bytes_);
     TracePreparer preparer(reader->pageBytes(), reader->carriesClusters());
     readInto(*reader, [&](const TraceRecord& record) { preparer.add(record); });
@@ -50,6 +52,7 @@ class TraceFile final : public ReplaySource {
     size_t count = 0;
     for (; reader.next(record); ++count) take(record);
     checkSome(count);
+    // Each reading finds the same faults, so that they replace those of the one before.
     warnings_ = reader.warnings();
   }
   void checkSome(size_t count) const {
