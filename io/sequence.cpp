@@ -1,24 +1,30 @@
 #include "io/sequence.h"
 
 #include <algorithm>
+#include <filesystem>
+#include <iterator>
 
 #include "io/files/file_list.h"
 #include "src/base/error.h"
+#include "src/base/values/digest.h"
 
 namespace sluice {
 namespace {
 
-std::vector<std::filesystem::path> filesOf(const std::vector<std::string>& steps) {
-  std::vector<std::filesystem::path> files;
-  for (const std::string& step : steps) {
-    std::error_code ignored;  // opening the step tells why it cannot be read
-    if (std::filesystem::is_directory(step, ignored)) {
-      for (auto& file : listFolder(step)) files.push_back(std::move(file));
-    } else {
-      files.emplace_back(step);
-    }
-  }
-  return files;
+namespace fs = std::filesystem;
+
+bool isFolder(const std::string& step) {
+  std::error_code ignored;  // opening the step tells why it cannot be read
+  return fs::is_directory(step, ignored);
+}
+
+// Whether a volume is all that is in the folder that it was opened from, as a store of chunks is.
+bool isWholeFolder(VolumeSource& source, const std::string& step) {
+  if (!isFolder(step)) return false;
+  std::error_code ignored;
+  const std::vector<std::string> files = source.files();
+  return std::ranges::any_of(
+      files, [&](const std::string& file) { return fs::equivalent(file, step, ignored); });
 }
 
 // Positions that differ by rounding in a text header are the same.
@@ -43,13 +49,32 @@ SequenceSource::SequenceSource(std::vector<std::string> steps, Opener opener, si
   if (const auto gap = gapNote({steps_.begin(), steps_.end()})) layout_.notes.push_back(*gap);
   // The files' states alone do not tell how they are read (dims given by the user); the first
   // volume's identity does.
-  identity_ = "sequence|" + fileIdentity(filesOf(steps_)) + "|first: " + first->identity();
+  identity_ = "sequence|" + identityOfSteps(*first) + "|first: " + first->identity();
   held_bytes_a_thread_ = first->heldBytesAThread();
   const std::span<const std::string> names = sluice::channelNames(*first);
   channel_names_.assign(names.begin(), names.end());
   const std::span<const StoredLook> looks = sluice::channelLooks(*first);
   channel_looks_.assign(looks.begin(), looks.end());
   open_.push_front({0, std::move(first)});
+}
+
+std::string SequenceSource::identityOfSteps(VolumeSource& first) const {
+  const bool are_stores = isWholeFolder(first, steps_[0]);
+  std::vector<fs::path> files;
+  Digest of_folders;
+  bool has_folders = false;
+  for (const std::string& step : steps_) {
+    std::vector<fs::path> of_step{step};
+    if (isFolder(step)) of_step = are_stores ? std::vector<fs::path>() : listFolder(step);
+    std::move(of_step.begin(), of_step.end(), std::back_inserter(files));
+    // The listing of a store, or of a folder of folders, tells nothing of its voxels.
+    if (!of_step.empty()) continue;
+    of_folders.add(opener_(step)->identity());
+    has_folders = true;
+  }
+  std::string identity = files.empty() ? "" : fileIdentity(files);
+  if (has_folders) identity += fmt::format("|folders {:016x}", of_folders.value());
+  return identity;
 }
 
 void SequenceSource::holdAtMost(uint64_t bytes) {

@@ -59,6 +59,9 @@ class SequenceSource final : public VolumeSource, public ChanneledSource {
     std::shared_ptr<VolumeSource> source;
   };
 
+  // Tells the states of all steps apart: of their files, or of the volumes in folders whose files
+  // are not theirs alone.
+  std::string identityOfSteps(VolumeSource& first) const;
   // The volume of a step, opened if need be.
   std::shared_ptr<VolumeSource> at(int64_t time);
   void checkAgrees(const std::string& path, const VolumeLayout& other) const;

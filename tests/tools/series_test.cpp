@@ -87,6 +87,24 @@ TEST(Series, aPlumeGrowsUnderOneLookAndOneCamera) {
   EXPECT_LT(last.top, 12) << "the last one fills the picture";
 }
 
+// They have no files beside hidden ones in their folders, of which the program made a crash.
+TEST(Series, mayBeOfStores) {
+  const Program program;
+  for (const char* const step :
+       {"synth:shells,dims=24x20x16 -o v_0.zarr", "synth:cube,dims=24x20x16 -o v_1.zarr"})
+    ASSERT_EQ(program.run(std::string("pack -q ") + step).status, 0);
+  const std::string view = " --size 32 --range 0,255 --threshold 60 --opacity 0.2 -q --force -o ";
+  const CommandResult series = program.run("render v_0.zarr v_1.zarr --time 1" + view + "s.png");
+  EXPECT_EQ(series.status, 0) << series.output;
+  ASSERT_EQ(program.run("render v_1.zarr" + view + "one.png").status, 0);
+  EXPECT_TRUE(readFile(program.folder / "s.png") == readFile(program.folder / "one.png"));
+  // Their index knows each of them.
+  ASSERT_EQ(program.run("pack -q --force synth:noise,dims=24x20x16 -o v_1.zarr").status, 0);
+  ASSERT_EQ(program.run("render v_0.zarr v_1.zarr --time 1" + view + "s.png").status, 0);
+  ASSERT_EQ(program.run("render v_1.zarr" + view + "one.png").status, 0);
+  EXPECT_TRUE(readFile(program.folder / "s.png") == readFile(program.folder / "one.png"));
+}
+
 // The view is fitted to all steps, and the tables of the transfer function span the values of all.
 TEST(Series, aStepAloneIsThatOfARange) {
   const Program program;
