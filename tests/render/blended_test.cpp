@@ -2,6 +2,7 @@
 // loops over the pixels and the slices, on each device.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <memory>
 #include <stdexcept>
 #include <utility>
@@ -82,6 +83,43 @@ TEST(Blended, isTheRuleCloseUp) {
             << block_vox << " " << azimuth;
       }
     }
+}
+
+// Channels that show in the same cells: the CPU device reads their samples together, four at once.
+std::vector<BlendedChannel> channelsAlike(int count) {
+  std::vector<BlendedChannel> channels;
+  for (int c = 0; c < count; ++c) {
+    auto waves = makeMemorySource<uint8_t>(kBlendedDims, [c](int64_t x, int64_t y, int64_t z) {
+      const Vec3d at = toDouble(Vec3i{x, y, z}), away = at - Vec3d{22, 20, 18};
+      if (dot(away, away) > 14 * 14) return 0.0;
+      return 170 + 70 * std::sin(dot(at, Vec3d{0.3 + 0.3 * c, 0.5, -0.2 * c}));
+    });
+    const double part = c / 5.0;
+    channels.push_back({std::move(waves), channelLook({{0, {part, 0, 1}}, {250, {1, 1 - part, 0}}},
+                                                      {{90, 0}, {250, 0.1 * part + 0.02}})});
+  }
+  return channels;
+}
+
+TEST(Blended, isTheRuleWhereAllChannelsShow) {
+  FrameOptions options;
+  options.size = {126, 117};
+  options.camera.azimuth_deg = 35;
+  options.camera.elevation_deg = 20;
+  for (const int count : {2, 3, 5}) {
+    const std::vector<BlendedChannel> channels = channelsAlike(count);
+    for (const Projection projection : kProjections) {
+      options.camera.projection = projection;
+      const FloatPicture plain = plainlyBlended(
+          channels, resolve(options.camera, channels.front().source->layout(), options.size, 1));
+      EXPECT_GT(shownShare(plain), 0.08);
+      for (const int64_t block_vox : {8, 64}) {
+        std::vector<FrameReport> reports;
+        EXPECT_TRUE(within(1, blended(channels, {.block_vox = block_vox}, options, reports), plain))
+            << block_vox << " " << count;
+      }
+    }
+  }
 }
 
 TEST(Blended, stopsAtOnceAndDrawsTheNextFrame) {

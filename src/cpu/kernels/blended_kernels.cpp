@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 
 // Highway requires this order.
 // clang-format off
@@ -38,43 +39,8 @@ namespace hn = hwy::HWY_NAMESPACE;
 #include "src/cpu/kernels/segments.inl"
 #include "src/cpu/kernels/sample_colors.inl"
 #include "src/cpu/kernels/pixels.inl"
+#include "src/cpu/kernels/mixtures.inl"
 // clang-format on
-
-// Slices between two looks for what to leap over; of each the channels' samples are kept.
-constexpr int kSlicesAtOnce = 8;
-constexpr float kMostAtOnce = kSlicesAtOnce;
-
-// The colours that the channels show in a slice, added up.
-struct Mixture {
-  Color sum;
-  V clear;  // the product of 1 - opacity
-};
-
-// The mixtures of the slices between two looks. Bit j of `shown` is set if slice j shows something,
-// and bit j of `mixed` if more than one channel shows there. A mixture is set if its slice shows.
-struct Mixtures {
-  std::array<Mixture, kSlicesAtOnce> of;
-  uint32_t shown = 0, mixed = 0;
-};
-
-// Adds the colour of a channel at slice j to the rays on which it shows.
-HWY_INLINE void addColor(const Color& color, const M& shows, int j, Mixtures& mixtures) {
-  const uint32_t bit = uint32_t{1} << j;
-  Mixture& to = mixtures.of[static_cast<size_t>(j)];
-  const Color seen{hn::IfThenElseZero(shows, color.r), hn::IfThenElseZero(shows, color.g),
-                   hn::IfThenElseZero(shows, color.b), hn::IfThenElseZero(shows, color.a)};
-  const V clear = hn::Sub(all(1.0F), seen.a);
-  // The first channel's colour is kept as it is: most slices show one channel alone.
-  if ((mixtures.shown & bit) == 0) {
-    to = {seen, clear};
-    mixtures.shown |= bit;
-    return;
-  }
-  to.sum = {hn::Add(to.sum.r, seen.r), hn::Add(to.sum.g, seen.g), hn::Add(to.sum.b, seen.b),
-            hn::Add(to.sum.a, seen.a)};
-  to.clear = hn::Mul(to.clear, clear);
-  mixtures.mixed |= bit;
-}
 
 // The places of a packet's samples in the slices between two looks. Bit j of `known` is set if the
 // place of slice j is.
@@ -83,37 +49,76 @@ struct Places {
   uint32_t known = 0;
 };
 
+// The places of a packet's samples in a box.
+struct Line {
+  V3 first, pace;  // texel coordinates at slice `start`, and from slice to slice
+  V start;
+  Cells cells;
+};
+HWY_INLINE V3 placeOn(const Line& line, const V& slice, bool clamps) {
+  const V3 at = fartherBy(hn::Sub(slice, line.start), line.pace, line.first);
+  return clamps ? clamped(line.cells, at) : at;
+}
+
 // The way of a packet through a channel's box. Slices count as FrameSetup has them.
 struct ChannelWay {
   const KernelFrame* frame;
   const KernelBox* box;
-  V3 first, pace;  // texel coordinates at slice `start`, and from slice to slice
-  V start, from, end;
+  Line line;
+  V from, end;
   V ray_length;
-  Cells cells;
   BrickWay bricks;
   // No slice before it shows anything, as far as is known; the block's end for lanes that are
   // through the box.
   V shown;
-  uint32_t places;  // whose Places these samples have, see placesOf()
+  uint32_t places;    // whose Places these samples have, see placesOf()
+  float window_rows;  // about how many a window has, see side_by_side.inl
+  // Slices k + first, ..., k + last - 1 are sampled next, see drawBlock().
+  int first, last;
 };
 
-// Adds the channel's samples at slices k + first, ..., k + last - 1 to the mixtures of slices from
-// k on. `places` are shared by the channels whose samples have the same ones.
-using AddSamples = void (*)(const ChannelWay& way, const V& k, int first, int last, const M& going,
-                            Places& places, Mixtures& mixtures, VI& taken);
+using SliceValues = std::array<V, kSlicesAtOnce>;
+
+// Adds the channel's samples to the mixtures of slices from k on. `places` are shared by the
+// channels whose samples have the same ones.
+using AddSamples = void (*)(const ChannelWay& way, const V& k, const M& going, Places& places,
+                            Mixtures& mixtures, VI& taken);
+// The same of samples that are read already.
+using AddValues = void (*)(const ChannelWay& way, const V& k, const M& going,
+                           const SliceValues& values, Mixtures& mixtures, VI& taken);
+
+// A channel adds its samples by these: in boxes of one number a texel, and of two.
+struct Adding {
+  AddSamples one = nullptr, two = nullptr;
+  AddValues values = nullptr;  // in boxes of one number; null if samples are read one by one
+
+  AddSamples of(const KernelBox& box) const { return box.has_spread ? two : one; }
+  AddValues valuesOf(const KernelBox& box) const { return box.has_spread ? nullptr : values; }
+};
+
+// The ways of a packet through a block's boxes.
+struct BlockWay {
+  std::array<ChannelWay, kMostBlended> ways;
+  std::array<AddSamples, kMostBlended> adds;
+  std::array<AddValues, kMostBlended> adds_values;
+  int count = 0;
+  V from, end;  // of all
+  V middle;     // of a slice, in slices
+};
+
+#include "src/cpu/kernels/side_by_side.inl"
 
 template <DeviceType kType, Shading kShading>
-HWY_NOINLINE void addSamples(const ChannelWay& way, const V& k, int first, int last, const M& going,
-                             Places& places, Mixtures& mixtures, VI& taken) {
+HWY_NOINLINE void addSamples(const ChannelWay& way, const V& k, const M& going, Places& places,
+                             Mixtures& mixtures, VI& taken) {
   const KernelFrame& frame = *way.frame;
   const KernelBox& box = *way.box;
   const V one = all(1.0F);
   const bool selects = kShading != Shading::kSpread && !frame.shades_every_sample;
   const V least = all(frame.least_visible), most = all(frame.most_visible);
-  const V3 start = way.first, pace = way.pace;
-  const V at_start = way.start, from = way.from, end = way.end;
-  const Cells cells = way.cells;
+  const Line line = way.line;
+  const V from = way.from, end = way.end;
+  const int first = way.first, last = way.last;
   // All samples are read before the first gets its colour. Whether a sample shows is a branch that
   // the processor often guesses wrong, and it would throw away what it had read ahead.
   struct Sample {
@@ -122,18 +127,12 @@ HWY_NOINLINE void addSamples(const ChannelWay& way, const V& k, int first, int l
   };
   std::array<Sample, kSlicesAtOnce> samples;
   const bool clamps = needsClamps<kType, kShading>(frame, box);
-  const auto placeOf = [&](V slice) {
-    const V part = hn::Sub(slice, at_start);
-    const V3 at{hn::MulAdd(part, pace.x, start.x), hn::MulAdd(part, pace.y, start.y),
-                hn::MulAdd(part, pace.z, start.z)};
-    return clamps ? clamped(cells, at) : at;
-  };
   // Places come first: they are a long chain of steps, and the processor works on those of several
   // slices at once.
   for (int j = first; j < last; ++j) {
     if ((places.known >> j & 1) != 0) continue;
     const V slice = hn::Add(k, all(static_cast<float>(j)));
-    places.of[static_cast<size_t>(j)] = placeAt(cells, placeOf(slice));
+    places.of[static_cast<size_t>(j)] = placeAt(line.cells, placeOn(line, slice, clamps));
     places.known |= uint32_t{1} << j;
   }
   VI counted = hn::Zero(I());
@@ -153,26 +152,24 @@ HWY_NOINLINE void addSamples(const ChannelWay& way, const V& k, int first, int l
   for (int j = first; j < last; ++j, slice = hn::Add(slice, one)) {
     const auto& [shows, value, square] = samples[static_cast<size_t>(j)];
     if (hn::AllFalse(F(), shows)) continue;
-    addColor(colorOf<kType, kShading>(frame, box, placeOf(slice), places.of[static_cast<size_t>(j)],
-                                      value, square, way.ray_length),
-             shows, j, mixtures);
+    addColor(
+        colorOf<kType, kShading>(frame, box, placeOn(line, slice, clamps),
+                                 places.of[static_cast<size_t>(j)], value, square, way.ray_length),
+        shows, j, mixtures);
   }
 }
-
-// A channel adds its samples by these: in boxes of one number a texel, and of two.
-struct Adding {
-  AddSamples one = nullptr, two = nullptr;
-
-  AddSamples of(const KernelBox& box) const { return box.has_spread ? two : one; }
-};
 
 template <DeviceType kType>
 Adding addingTyped(const KernelFrame& frame) {
   const AddSamples two =
       frame.labels ? &addSamples<kType, Shading::kShares> : &addSamples<kType, Shading::kSpread>;
   if (frame.lit || frame.rows > 0) return {&addSamples<kType, Shading::kGradients>, two};
-  if (frame.perspective) return {&addSamples<kType, Shading::kLength>, two};
-  return {&addSamples<kType, Shading::kTable>, two};
+  const bool reads_values = kType == DeviceType::kU8 && !frame.labels;
+  if (frame.perspective)
+    return {&addSamples<kType, Shading::kLength>, two,
+            reads_values ? &addValues<Shading::kLength> : nullptr};
+  return {&addSamples<kType, Shading::kTable>, two,
+          reads_values ? &addValues<Shading::kTable> : nullptr};
 }
 Adding addingOf(const KernelFrame& frame) {
   switch (frame.type) {
@@ -186,26 +183,8 @@ Adding addingOf(const KernelFrame& frame) {
   return addingTyped<DeviceType::kF32>(frame);
 }
 
-// The colour of a slice: opacities multiply as those of media that fill the same space do, and the
-// colours are the mean by opacity.
-HWY_INLINE Color colorOf(const Mixture& mixture) {
-  const V a = hn::Sub(all(1.0F), mixture.clear);
-  const V scale = hn::Div(a, hn::Max(mixture.sum.a, all(1e-20F)));
-  return {hn::Mul(mixture.sum.r, scale), hn::Mul(mixture.sum.g, scale),
-          hn::Mul(mixture.sum.b, scale), a};
-}
-
-// The ways of a packet through a block's boxes.
-struct BlockWay {
-  std::array<ChannelWay, kMostBlended> ways;
-  std::array<AddSamples, kMostBlended> adds;
-  int count = 0;
-  V from, end;  // of all
-  V middle;     // of a slice, in slices
-};
-
 HWY_INLINE void addWay(const KernelFrame& frame, const KernelBox& box, const Positions& positions,
-                       const Packet& packet, const V3& step, AddSamples adding, uint32_t places,
+                       const Packet& packet, const V3& step, const Adding& adding, uint32_t places,
                        BlockWay& all_ways) {
   const Slices slices = slicesIn(frame, box, packet, step);
   const M meets = hn::Gt(slices.count, hn::Zero(F()));
@@ -215,19 +194,20 @@ HWY_INLINE void addWay(const KernelFrame& frame, const KernelBox& box, const Pos
   const bool is_long = frame.perspective || frame.lit || frame.rows > 0;
   way.frame = &frame;
   way.box = &box;
-  way.pace = texelsAlong(box, step);
-  way.first = fartherBy(packet.jitter, way.pace, texelsAt(box, voxelsOf(positions, packet)));
-  way.start = all(box.first_slice);
+  const V3 pace = texelsAlong(box, step);
+  way.line = {fartherBy(packet.jitter, pace, texelsAt(box, voxelsOf(positions, packet))), pace,
+              all(box.first_slice), cellsOf(box)};
   const V never = all(1e15F);
   // Lanes that miss the box are never within it.
-  way.from = hn::IfThenElse(meets, hn::Add(slices.from, way.start), never);
+  way.from = hn::IfThenElse(meets, hn::Add(slices.from, way.line.start), never);
   way.end = hn::IfThenElse(meets, hn::Add(way.from, slices.count), hn::Neg(never));
   way.ray_length = is_long ? rayLengthOf(frame, packet) : all(1.0F);
-  way.cells = cellsOf(box);
   way.shown = way.from;
-  way.bricks = box.distances != nullptr ? brickWay(box, way.first, way.pace) : noBrickWay();
+  way.bricks = box.distances != nullptr ? brickWay(box, way.line.first, pace) : noBrickWay();
   way.places = places;
-  all_ways.adds[static_cast<size_t>(all_ways.count)] = adding;
+  way.window_rows = windowRows(box, pace);
+  all_ways.adds[static_cast<size_t>(all_ways.count)] = adding.of(box);
+  all_ways.adds_values[static_cast<size_t>(all_ways.count)] = adding.valuesOf(box);
   all_ways.from = all_ways.count == 0 ? way.from : hn::Min(all_ways.from, way.from);
   all_ways.end = all_ways.count == 0 ? way.end : hn::Max(all_ways.end, way.end);
   ++all_ways.count;
@@ -244,16 +224,29 @@ HWY_INLINE V nextSlices(BlockWay& block, const V& k, const M& going) {
     if (way.box->distances != nullptr && !hn::AllFalse(F(), unseen)) {
       bool leapt = false;
       const M asked = hn::And(going, hn::Lt(shown, way.end));
-      const V at = hn::IfThenElse(asked, hn::Sub(shown, way.start), hn::Zero(F()));
-      const V end = hn::IfThenElse(asked, hn::Sub(way.end, way.start), hn::Zero(F()));
+      const V at = hn::IfThenElse(asked, hn::Sub(shown, way.line.start), hn::Zero(F()));
+      const V end = hn::IfThenElse(asked, hn::Sub(way.end, way.line.start), hn::Zero(F()));
       shown = hn::IfThenElse(
-          asked, hn::Add(nextShown(*way.box, way.bricks, at, end, leapt), way.start), shown);
+          asked, hn::Add(nextShown(*way.box, way.bricks, at, end, leapt), way.line.start), shown);
     }
     // Lanes through this box wait at the block's end, so that they do not hold back the others.
     way.shown = hn::IfThenElse(hn::Lt(shown, way.end), shown, block.end);
     next = hn::Min(next, way.shown);
   }
   return next;
+}
+
+// Sets the slices that some lane has in the box, from the first on that may show something.
+HWY_INLINE void setSlices(const V& k, int slices, const M& going, ChannelWay& way) {
+  way.first = way.last = 0;
+  const M within = hn::And(going, hn::Lt(way.shown, way.end));
+  if (hn::AllFalse(F(), within)) return;
+  const V far = all(static_cast<float>(slices));
+  const V from = hn::IfThenElse(within, hn::Sub(way.shown, k), far);
+  const V to = hn::IfThenElseZero(within, hn::Min(hn::Sub(way.end, k), far));
+  way.first = static_cast<int>(
+      std::max(0.0F, std::min(kMostAtOnce, hn::GetLane(hn::MinOfLanes(F(), from)))));
+  way.last = static_cast<int>(hn::GetLane(hn::MaxOfLanes(F(), to)));
 }
 
 // The block for one packet.
@@ -264,6 +257,7 @@ HWY_INLINE void drawBlock(const KernelFrame& frame, BlockWay& block, const M& go
   V k = block.from;
   Mixtures mixtures;
   std::array<Places, kMostBlended> places;  // the boxes', not the ways'
+  std::array<SliceValues, kMostBlended> values;
   const V one = all(1.0F);
   for (;;) {
     k = nextSlices(block, k, going);
@@ -274,20 +268,17 @@ HWY_INLINE void drawBlock(const KernelFrame& frame, BlockWay& block, const M& go
     mixtures.shown = mixtures.mixed = 0;
     for (int c = 0; c < block.count; ++c)
       places[block.ways[static_cast<size_t>(c)].places].known = 0;
+    for (int c = 0; c < block.count; ++c)
+      setSlices(k, slices, going, block.ways[static_cast<size_t>(c)]);
+    const uint32_t read = readTogether(block, k, going, values);
     for (int c = 0; c < block.count; ++c) {
-      const ChannelWay& way = block.ways[static_cast<size_t>(c)];
-      // The slices that some lane has in the box, from the first on that may show something.
-      const M within = hn::And(going, hn::Lt(way.shown, way.end));
-      if (hn::AllFalse(F(), within)) continue;
-      const V far = all(static_cast<float>(slices));
-      const V from = hn::IfThenElse(within, hn::Sub(way.shown, k), far);
-      const V to = hn::IfThenElseZero(within, hn::Min(hn::Sub(way.end, k), far));
-      const int first = static_cast<int>(
-          std::max(0.0F, std::min(kMostAtOnce, hn::GetLane(hn::MinOfLanes(F(), from)))));
-      const int last = static_cast<int>(hn::GetLane(hn::MaxOfLanes(F(), to)));
-      if (first >= last) continue;
-      block.adds[static_cast<size_t>(c)](way, k, first, last, going, places[way.places], mixtures,
-                                         pixels.taken);
+      const auto i = static_cast<size_t>(c);
+      const ChannelWay& way = block.ways[i];
+      if (way.first >= way.last) continue;
+      if ((read >> c & 1) != 0)
+        block.adds_values[i](way, k, going, values[i], mixtures, pixels.taken);
+      else
+        block.adds[i](way, k, going, places[way.places], mixtures, pixels.taken);
     }
     for (uint32_t rest = mixtures.shown; rest != 0; rest &= rest - 1) {
       const int j = std::countr_zero(rest);
@@ -354,8 +345,8 @@ HWY_NOINLINE void drawBoxes(const KernelFrame* const* frames, const Adding* adds
       block.middle = hn::Add(packet.jitter, all(0.5F));
       for (uint32_t i = 0; i <= boxes[0].joined; ++i) {
         const uint32_t channel = boxes[i].channel;
-        addWay(*frames[channel], boxes[i], positions[i], packet, step, adds[channel].of(boxes[i]),
-               places[i], block);
+        addWay(*frames[channel], boxes[i], positions[i], packet, step, adds[channel], places[i],
+               block);
       }
       if (block.count == 0) continue;
       drawBlock(frame, block, going, pixels);

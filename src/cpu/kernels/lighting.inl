@@ -72,7 +72,7 @@ HWY_INLINE Arriving arrivingIn(const KernelFrame& frame, const Place& cell) {
 HWY_INLINE Arriving arrivingInSquares(const KernelFrame& frame, const Place& cell) {
   const auto plane = static_cast<int64_t>(frame.light_stride[2]);
   Wide square[2];  // one plane after the other
-  wideOfTwo({frame.light, frame.light + plane}, cell.offset, square);
+  wideOfEach({frame.light, frame.light + plane}, cell.offset, square);
   const Pair open[4] = {
       pairIn<DeviceType::kU16>(square[0].first), pairIn<DeviceType::kU16>(square[0].second),
       pairIn<DeviceType::kU16>(square[1].first), pairIn<DeviceType::kU16>(square[1].second)};

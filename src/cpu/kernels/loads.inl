@@ -78,14 +78,16 @@ HWY_INLINE Wide wideAt(const std::byte* base, VI offset) {
     parts[part] = twoLanes(base, offsets.of + 2 * part);
   return wideFrom(parts);
 }
-// Eight of two bases.
-HWY_INLINE void wideOfTwo(const std::byte* const (&base)[2], VI offset, Wide (&wide)[2]) {
+// Eight of each base.
+template <int kBases>
+HWY_INLINE void wideOfEach(const std::byte* const (&base)[kBases], VI offset,
+                           Wide (&wide)[kBases]) {
   const LaneOffsets offsets = laneOffsets(offset);
-  __m128i parts[2][2 * kParts];
+  __m128i parts[kBases][2 * kParts];
   for (int part = 0; part < 2 * kParts; ++part)
-    for (int row = 0; row < 2; ++row)
+    for (int row = 0; row < kBases; ++row)
       parts[row][part] = twoLanes(base[row], offsets.of + 2 * part);
-  for (int row = 0; row < 2; ++row) wide[row] = wideFrom(parts[row]);
+  for (int row = 0; row < kBases; ++row) wide[row] = wideFrom(parts[row]);
 }
 // Four floats.
 HWY_INLINE Quad quadAt(const std::byte* base, VI offset) {
@@ -122,8 +124,10 @@ HWY_INLINE Wide wideAt(const std::byte* base, VI offset) {
   return {hn::GatherOffset(I(), reinterpret_cast<const int32_t*>(base), offset),
           hn::GatherOffset(I(), reinterpret_cast<const int32_t*>(base) + 1, offset)};
 }
-HWY_INLINE void wideOfTwo(const std::byte* const (&base)[2], VI offset, Wide (&wide)[2]) {
-  for (int row = 0; row < 2; ++row) wide[row] = wideAt(base[row], offset);
+template <int kBases>
+HWY_INLINE void wideOfEach(const std::byte* const (&base)[kBases], VI offset,
+                           Wide (&wide)[kBases]) {
+  for (int row = 0; row < kBases; ++row) wide[row] = wideAt(base[row], offset);
 }
 HWY_INLINE Quad quadAt(const std::byte* base, VI offset) {
   const auto* floats = reinterpret_cast<const float*>(base);
