@@ -214,7 +214,8 @@ TEST(Plan, refusesWhatRenderRefuses) {
   for (const char* options :
        {"--culling toc --pixel-error 2", "--iso 100 --level 1", "--culling toc --max-bytes 1M",
         "--culling toc --keep-thin", "--iso 100 --mode mip", "--shadows --mode mip",
-        "--shadows --no-shade", "--occlusion-light --no-shade", "--depth-cueing 0.5 --mode mip",
+        "--shadows --no-shade", "--threshold 40 --modulate --shadows",
+        "--occlusion-light --no-shade", "--depth-cueing 0.5 --mode mip",
         "--jitter 1 --mode average", "--culling toc --iso 100", "--culling toc --mode mip",
         "--occlusion cull --mode mip", "--culling toc --level 1",
         "--pages 1 --block 64 --algorithm conventional", "--channel 3", "--time 9",

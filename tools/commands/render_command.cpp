@@ -243,8 +243,8 @@ Command addRender(CLI::App& program) {
   addReportOption(output, arguments->report_file);
   output.rare().flag(
       "--debug-view", arguments->debug_view,
-      "Also writes the boxes drawn between updates of the opacity map, the maps, and the "
-      "growing boxes of the middle slice");
+      "--occlusion, --partition boxes: also writes the boxes drawn between updates of the "
+      "opacity map, the maps, and the growing boxes of the middle slice");
   output.rare().flag("--verify", arguments->verify,
                      "Also draws the picture without acceleration, and prints the largest and mean "
                      "difference and what it cannot check");

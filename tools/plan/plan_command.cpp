@@ -219,7 +219,8 @@ Command addPlan(CLI::App& program) {
   auto arguments = std::make_shared<PlanArguments>();
   CLI::App* app = program.add_subcommand(
       "plan",
-      "Prints what a picture will read, load and hold, without reading a voxel\n\n"
+      "Prints what a picture will read, load and hold, before it is drawn\n\n"
+      "It reads no voxel, but for the index of a volume that has none.\n\n"
       "  sluice plan bonsai.nii.gz --threshold 40 --page 32x64x2 --pages 256\n"
       "  sluice plan bonsai.nii.gz --threshold 40 --partition boxes");
   addVolumeOptions(*app, arguments->volume);

@@ -303,14 +303,18 @@ CoarseGrid coarseGrid(const VolumeLayout& layout) {
   return grid;
 }
 
+void requireFollowedByLight(const TransferFunction& transfer, const VolumeLayout& volume) {
+  if (transfer.gradients.empty()) return;
+  // The gradients of all voxels would be needed, which the pass over tiles does not compute.
+  failRequest(
+      "{}: --shadows and --occlusion-light do not follow opacities that depend on gradients; "
+      "leave out --modulate, or take a transfer function without gradients",
+      volume.calledBy());
+}
+
 CoarseExtinction coarseExtinction(const TimeStep& step, const Look& look, MatterFrom from,
                                   WorkerPool& pool, const StopToken& stop) {
-  if (!look.table.magnitudes().empty())
-    // The gradients of all voxels would be needed, which the pass over tiles does not compute.
-    failRequest(
-        "{}: --shadows and --occlusion-light do not follow opacities that depend on gradients; "
-        "leave out --modulate, or take a transfer function without gradients",
-        step.source->layout().calledBy());
+  requireFollowedByLight(look.transfer, step.source->layout());
   return Maker(step, look, from, stop).make(pool);
 }
 

@@ -46,7 +46,10 @@ using CoarseExtinctionPtr = std::shared_ptr<const CoarseExtinction>;
 
 enum class MatterFrom { kFinest, kLevels };
 
-// Throws Error if the look's opacities depend on gradients, Interrupted, and what the sources do.
+// Throws Error if the opacities depend on gradients: plans refuse what pictures would.
+void requireFollowedByLight(const TransferFunction& transfer, const VolumeLayout& volume);
+
+// Throws as requireFollowedByLight(), Interrupted, and what the sources throw.
 CoarseExtinction coarseExtinction(const TimeStep& step, const Look& look, MatterFrom from,
                                   WorkerPool& pool, const StopToken& stop);
 

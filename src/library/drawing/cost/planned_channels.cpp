@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "src/library/drawing/cost/picture_memory.h"
+#include "src/render/light/coarse_extinction.h"
 
 namespace sluice {
 namespace {
@@ -124,6 +125,9 @@ void add(PlannedSum& sum, const PlannedSum& more) {
 std::vector<PlannedChannel> plannedChannels(const std::vector<ChannelShare>& shares,
                                             Combine combine, BlockChooser* chooser,
                                             TexelPlace texels, WorkerPool& pool) {
+  for (const ChannelShare& share : shares)
+    if (share.frame.lighting.looksAround())
+      requireFollowedByLight(*share.look.transfer, share.look.volume->source->layout());
   // Before planning: a plan that does not fit would take the memory that it says is missing.
   const NeedOfMemory need_of = [&](uint64_t memory_bytes) {
     return needOfMemory(shares, combine, texels, memory_bytes, pool);
