@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 namespace sluice {
@@ -32,17 +33,21 @@ TEST(KeptRay, isUnknownIfColoursDoNotTellIt) {
   EXPECT_EQ(keptRay(hill, Mode::kMip), std::nullopt);
   EXPECT_EQ(keptRay(hill, Mode::kMinip), std::nullopt);
   EXPECT_EQ(keptRay(greys({0, 1}), Mode::kAverage), std::nullopt);
-  EXPECT_EQ(keptRay(hill, Mode::kComposite), KeptRay::kBrightest);
+  EXPECT_EQ(keptRay(hill, Mode::kComposite), KeptRay::kEachChannel);
+  LookUp labels = hill;
+  labels.labels = true;
+  EXPECT_EQ(keptRay(labels, Mode::kComposite), KeptRay::kBrightest);
+}
+
+Picture pixels(const std::vector<float>& rgba) {
+  Picture picture;
+  picture.width = static_cast<int>(rgba.size() / 4);
+  picture.height = 1;
+  picture.rgba = rgba;
+  return picture;
 }
 
 TEST(KeptRay, replacesPixelsThatAreLessOpaqueFirst) {
-  const auto pixels = [](const std::vector<float>& rgba) {
-    Picture picture;
-    picture.width = static_cast<int>(rgba.size() / 4);
-    picture.height = 1;
-    picture.rgba = {rgba.begin(), rgba.end()};
-    return picture;
-  };
   const Picture more = pixels({0.1F, 0.1F, 0.1F, 1, 0.7F, 0, 0, 1});
   const Picture first = pixels({0.5F, 0.5F, 0.5F, 0.5F, 0.5F, 0, 0, 1});
   Picture kept = first;
@@ -51,6 +56,38 @@ TEST(KeptRay, replacesPixelsThatAreLessOpaqueFirst) {
   kept = first;
   keepMost(kept, more, KeptRay::kDarkest);
   EXPECT_EQ(kept.rgba, pixels({0.1F, 0.1F, 0.1F, 1, 0.5F, 0, 0, 1}).rgba);
+}
+
+// A ray that shows nothing loses, also against white of which little shows.
+TEST(KeptRay, showsSomethingRatherThanNothing) {
+  for (const KeptRay ray : {KeptRay::kEachChannel, KeptRay::kBrightest, KeptRay::kDarkest}) {
+    const Picture nothing = pixels({0, 0, 0, 0}), white = pixels({0.01F, 0.01F, 0.01F, 0.01F});
+    Picture kept = nothing;
+    keepMost(kept, white, ray);
+    EXPECT_EQ(kept.rgba, white.rgba);
+    keepMost(kept, nothing, ray);
+    EXPECT_EQ(kept.rgba, white.rgba);
+  }
+}
+
+TEST(KeptRay, isTheSameIfAnOpaqueOneIsRounded) {
+  const float rounded = std::nextafter(1.0F, 0.0F);
+  for (const KeptRay ray : {KeptRay::kEachChannel, KeptRay::kBrightest, KeptRay::kDarkest})
+    for (const float first : {1.0F, rounded})
+      for (const float second : {1.0F, rounded}) {
+        Picture kept = pixels({0.2F, 0.1F, 0.1F, first});
+        keepMost(kept, pixels({0.9F, 0.7F, 0.5F, second}), ray);
+        EXPECT_EQ(kept.rgba[0], ray == KeptRay::kDarkest ? 0.2F : 0.9F) << first << second;
+      }
+}
+
+TEST(KeptRay, ofEachChannelIsTheGreatestAndNearest) {
+  Picture kept = pixels({0.2F, 0.6F, 0.1F, 0.7F}), more = pixels({0.5F, 0.3F, 0.1F, 0.6F});
+  kept.depth = {8};
+  more.depth = {5};
+  keepMost(kept, more, KeptRay::kEachChannel);
+  EXPECT_EQ(kept.rgba, pixels({0.5F, 0.6F, 0.1F, 0.7F}).rgba);
+  EXPECT_EQ(kept.depth, std::vector<float>{5});
 }
 
 }  // namespace

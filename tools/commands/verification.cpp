@@ -13,6 +13,7 @@
 #include "src/library/opening/shown_channels.h"
 #include "src/library/opening/step_ranges.h"
 #include "src/render/blocks/cut/cut_rules.h"
+#include "src/render/frame/pixel_rays.h"
 #include "src/render/session/blended_frame.h"
 #include "tools/command_line/interrupt.h"
 #include "tools/command_line/progress_line.h"
@@ -119,29 +120,18 @@ PixelRays raysOf(const VerifiedView& view, size_t layer) {
   return layer < view.layers.size() ? view.layers[layer].report.rays : PixelRays();
 }
 
-// Whether the pixel is more opaque than what is kept, or as opaque and brighter, or darker.
-bool wins(const float* pixel, const float* kept, KeptRay ray) {
-  if (pixel[3] != kept[3]) return pixel[3] > kept[3];
-  const float here = pixel[0] + pixel[1] + pixel[2], there = kept[0] + kept[1] + kept[2];
-  return ray == KeptRay::kBrightest ? here > there : here < there;
-}
-
-// The picture of one ray after the other of each pixel, which shows the one that wins.
+// The picture of one ray after the other of each pixel, which shows the most of them.
 Picture pictureOfRays(Session& session, FrameOptions options, PixelRays rays) {
-  const auto placeOf = [&](int i) { return (i + 0.5) / rays.a_side - 0.5; };
   Picture result;
   for (int y = 0; y < rays.a_side; ++y)
     for (int x = 0; x < rays.a_side; ++x) {
-      options.ray_shift = {placeOf(x), placeOf(y)};
+      options.ray_shift = shiftOfRay(x, y, rays.a_side);
       session.setOptions(options);
       Picture drawn = session.frame().picture;
-      if (x == 0 && y == 0) {
+      if (x == 0 && y == 0)
         result = std::move(drawn);
-        continue;
-      }
-      for (size_t i = 0; i < result.rgba.size(); i += 4)
-        if (wins(&drawn.rgba[i], &result.rgba[i], rays.kept))
-          std::copy_n(&drawn.rgba[i], 4, &result.rgba[i]);
+      else
+        keepMost(result, drawn, rays.kept);
     }
   return result;
 }

@@ -122,7 +122,7 @@ FrameSetup setupOf(const View& view, const VolumeLayout& layout, const OpacityTa
   setup.planes_a_voxel = std::max(
       1, static_cast<int>(
              std::ceil(setup.slice_length > 0 ? std::min(1 / setup.slice_length, 1e6) - 1e-6 : 1)));
-  setup.rays = raysBeside(setup.rays, options.ray_shift);
+  shiftView(setup, options.ray_shift);
   setup.opacity_threshold = rayThreshold(options);
   setup.with_depth = options.with_depth;
   // Extremes and averages keep their exact values: neither fog nor jitter applies to them.
@@ -189,10 +189,15 @@ FrameSetup viewSetup(const View& view, const VolumeLayout& layout,
   return setup;
 }
 
-RayGrid raysBeside(RayGrid rays, std::array<double, 2> pixels) {
+void shiftView(FrameSetup& setup, std::array<double, 2> pixels) {
+  RayGrid& rays = setup.rays;
   rays.origin0 = rays.origin0 + rays.origin_dx * pixels[0] + rays.origin_dy * pixels[1];
   rays.step0 = rays.step0 + rays.step_dx * pixels[0] + rays.step_dy * pixels[1];
-  return rays;
+  // Clip space is 2 wide and 2 high, and x and y there are still to be divided by w.
+  const std::array<int, 2> size{setup.size.width, setup.size.height};
+  for (size_t axis = 0; axis < 2; ++axis)
+    for (size_t i = 0; i < 4; ++i)
+      setup.clip_from_index[axis][i] -= 2 * pixels[axis] / size[axis] * setup.clip_from_index[2][i];
 }
 
 FrameSetup frameSetup(const View& view, const VolumeLayout& layout, const OpacityTable& table,

@@ -22,8 +22,9 @@ FrameSetup frameSetup(const View& view, const VolumeLayout& layout, const Opacit
 FrameSetup frameSetup(const View& view, const VolumeLayout& layout, const Look& look,
                       const ValueMap& map, const FrameOptions& options, bool lit);
 
-// The rays so many pixels to the right of these and above them.
-RayGrid raysBeside(RayGrid rays, std::array<double, 2> pixels);
+// Shifts the view by so many pixels to the right and up, its rays and its clip space alike: devices
+// look for the pixels of a box in clip space, and at the box along the rays.
+void shiftView(FrameSetup& setup, std::array<double, 2> pixels);
 
 // The view's part of it alone: rays, clip space, slices and clip planes.
 FrameSetup viewSetup(const View& view, const VolumeLayout& layout,

@@ -6,6 +6,7 @@
 #include "src/base/error.h"
 #include "src/base/threads/clock.h"
 #include "src/render/blocks/cut/cut_rules.h"
+#include "src/render/camera/frame_setup.h"
 #include "src/render/frame/pixel_rays.h"
 #include "src/render/session/session.h"
 
@@ -92,8 +93,7 @@ Frame Session::drawRays(const FrameValues& values, const PixelRays& rays) {
   for (int ray = 0; ray < count; ++ray) {
     FrameValues of_ray = values;
     if (count > 1)
-      of_ray.setup.rays =
-          raysOfPixel(values.setup.rays, ray % rays.a_side, ray / rays.a_side, rays.a_side);
+      shiftView(of_ray.setup, shiftOfRay(ray % rays.a_side, ray / rays.a_side, rays.a_side));
     // The other rays need the same data, so what the next frame needs is read during the last one.
     if (ray + 1 < count) of_ray.when_read = {};
     FrameRun run(std::move(of_ray), residency_, device_, trace_, frame_number_, lessons_);

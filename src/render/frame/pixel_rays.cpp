@@ -4,11 +4,9 @@
 #include <cmath>
 #include <functional>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "src/base/error.h"
-#include "src/render/camera/frame_setup.h"
 #include "src/render/camera/pixel_sizes.h"
 
 namespace sluice {
@@ -19,10 +17,15 @@ constexpr size_t kChannels = 4;
 // pixels. Rays that are a third of a voxel apart meet it.
 constexpr double kRaysAVoxel = 3;
 
-// Opacity first, then the sum of the colours.
-std::pair<float, float> rankOf(std::span<const float> pixel, KeptRay ray) {
+// A pixel's opacity counts this much against the sum of its colours, which is at most three times
+// the opacity: any ray that shows something wins over one that does not.
+constexpr float kOpacityShare = 4;
+
+// Opacity does not come first alone: between rays that are opaque but for rounding the colours
+// decide.
+float scoreOf(std::span<const float> pixel, KeptRay ray) {
   const float brightness = pixel[0] + pixel[1] + pixel[2];
-  return {pixel[3], ray == KeptRay::kBrightest ? brightness : -brightness};
+  return kOpacityShare * pixel[3] + (ray == KeptRay::kBrightest ? brightness : -brightness);
 }
 
 bool isExtreme(Mode mode) {
@@ -42,7 +45,8 @@ std::vector<float> brightnessOf(const LookUp& look_up) {
 }  // namespace
 
 std::optional<KeptRay> keptRay(const LookUp& look_up, Mode mode) {
-  if (traitsOf(mode).has_colors) return KeptRay::kBrightest;
+  if (traitsOf(mode).has_colors)
+    return look_up.labels ? KeptRay::kBrightest : KeptRay::kEachChannel;
   if (!isExtreme(mode) || traitsOf(mode).codes_depth) return std::nullopt;
   // The value that wins must be told from its colour, so that colours have to follow the values.
   const std::vector<float> brightness = brightnessOf(look_up);
@@ -74,9 +78,9 @@ int raysASide(const TimeStep& step, const VisibleBlocks& visible, const View& vi
   return static_cast<int>(std::min(std::ceil(kRaysAVoxel / least_pixels), most));
 }
 
-RayGrid raysOfPixel(const RayGrid& middles, int x, int y, int side) {
+std::array<double, 2> shiftOfRay(int x, int y, int side) {
   const auto shiftOf = [side](int at) { return (at + 0.5) / side - 0.5; };
-  return raysBeside(middles, {shiftOf(x), shiftOf(y)});
+  return {shiftOf(x), shiftOf(y)};
 }
 
 void keepMost(Picture& kept, const Picture& more, KeptRay ray) {
@@ -85,9 +89,13 @@ void keepMost(Picture& kept, const Picture& more, KeptRay ray) {
   for (size_t i = 0; i < kept.rgba.size() / kChannels; ++i) {
     const auto of = std::span(kept.rgba).subspan(kChannels * i, kChannels);
     const auto with = std::span(more.rgba).subspan(kChannels * i, kChannels);
-    if (!(rankOf(of, ray) < rankOf(with, ray))) continue;
-    std::ranges::copy(with, of.begin());
-    if (!kept.depth.empty()) kept.depth[i] = more.depth[i];
+    if (ray == KeptRay::kEachChannel) {
+      std::ranges::transform(of, with, of.begin(), [](float a, float b) { return std::max(a, b); });
+      if (!kept.depth.empty()) kept.depth[i] = std::min(kept.depth[i], more.depth[i]);
+    } else if (scoreOf(of, ray) < scoreOf(with, ray)) {
+      std::ranges::copy(with, of.begin());
+      if (!kept.depth.empty()) kept.depth[i] = more.depth[i];
+    }
   }
 }
 

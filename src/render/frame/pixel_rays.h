@@ -1,9 +1,10 @@
 // Several rays through each pixel, for parts that are thinner than the distance between the rays of
 // neighbouring pixels: one ray alone may pass beside them. The picture of one ray a pixel is drawn
-// once for each, with the rays shifted inside the pixels, and each pixel shows the ray that met
-// most. A mean of the rays would hide again what is much smaller than a pixel. Pure functions.
+// once for each, with the rays shifted inside the pixels, and each pixel shows the most of them
+// (KeptRay). A mean of the rays would hide again what is much smaller than a pixel. Pure functions.
 #pragma once
 
+#include <array>
 #include <optional>
 
 #include "src/base/values/picture.h"
@@ -17,14 +18,20 @@ namespace sluice {
 // The most rays of a picture.
 inline constexpr double kMostRays = 1 << 26;
 
-// The ray that a pixel shows, of those of the same opacity.
-enum class KeptRay { kBrightest, kDarkest };
+// The ray that a pixel shows. Each channel: the greatest number of any ray in each of red, green,
+// blue and opacity, and the nearest depth. No ray is chosen, since rounding would choose: most rays
+// of a surface are opaque but for rounding, which differs between devices and between block sizes,
+// and they differ in colour. Numbers of pixels differ by no more than those of rays.
+// Brightest and darkest: the ray with the greatest sum of 4 times the opacity and of the colours,
+// or of minus the colours. Colours of labels and of values may not mix.
+enum class KeptRay { kEachChannel, kBrightest, kDarkest };
 // The rays of a picture: along each side of a pixel, and which of them it shows.
 struct PixelRays {
   int a_side = 1;
   KeptRay kept = KeptRay::kBrightest;
 };
-// Returns the ray that a pixel keeps in this mode. For an extreme it is the ray whose value wins,
+// Returns the ray that a pixel keeps in this mode. Modes with colours keep each channel, or the
+// brightest ray of labels. For an extreme it is the ray whose value wins,
 // if the look's colours become ever brighter, or ever darker, with the values. nullopt: colours do
 // not tell which ray it is, or the mode looks at all of them.
 std::optional<KeptRay> keptRay(const LookUp& look_up, Mode mode);
@@ -36,12 +43,12 @@ std::optional<KeptRay> keptRay(const LookUp& look_up, Mode mode);
 int raysASide(const TimeStep& step, const VisibleBlocks& visible, const View& view,
               const FrameOptions& options);
 
-// The same rays for ray (x, y) of a pixel with `side` of them along each side. Requires: x and y
-// are below `side`.
-RayGrid raysOfPixel(const RayGrid& middles, int x, int y, int side);
+// The distance of ray (x, y) of a pixel, with `side` of them along each side, from the pixel's
+// middle: in pixels to the right and up. Requires: x and y are below `side`.
+std::array<double, 2> shiftOfRay(int x, int y, int side);
 
-// Replaces the pixels of `kept` that are less opaque than those of `more`, or as opaque and not the
-// kept ray. Requires: pictures of one size, both with depth or neither.
+// Makes each pixel of `kept` the one that shows what is kept of its own rays and of the ray of
+// `more`. Requires: pictures of one size, both with depth or neither.
 void keepMost(Picture& kept, const Picture& more, KeptRay ray);
 
 }  // namespace sluice
