@@ -4,12 +4,19 @@
 #include <cstring>
 
 #include "src/base/error.h"
+#include "src/device/pictures/partial_picture.h"
 
 namespace sluice {
 namespace {
 
 // The share of a rank's memory for parts is 1 / this.
 constexpr uint64_t kPartShare = 4;
+
+// The most memory of a tile with so many records of so many pixels together.
+uint64_t mostTileBytes(uint64_t pixels, uint64_t records) {
+  const uint64_t bytes = pixels * kMostPartChannels * sizeof(float) + records * sizeof(PartHeader);
+  return bytes + bytes / kPartGrowth;
+}
 
 }  // namespace
 
@@ -18,15 +25,22 @@ uint64_t partBytes(PictureSize size, const Dealing& dealing, uint64_t memory_byt
   if (dealing.ranks == 1) return 0;
   if (size.width == 0) return memory_bytes / kPartShare;
   const Vec3i hands = dealing.hands;
+  const auto ranks = static_cast<uint64_t>(dealing.ranks);
   // Hands are apart by at most so many steps along the axes, and each step is a layer
   // (DealingLayers).
   const auto layers = static_cast<uint64_t>(hands.x + hands.y + hands.z - 2);
-  const auto pixels = static_cast<uint64_t>(size.width) * static_cast<uint64_t>(size.height);
-  // In the worst case each layer shows something in each pixel.
-  const uint64_t all = pixels * layers * kMostPartChannels * sizeof(float);
+  // In the worst case each layer shows something in each pixel, and all of it is one rank's: a view
+  // from close by sees few hands, which are not dealt evenly. A lent box is a layer.
+  const uint64_t drawn_layers = dealing.lent ? 1 : layers;
+  const uint64_t tiles = emptyPartialPicture(size).tiles.size();
+  const uint64_t drawn = tiles * mostTileBytes(drawn_layers * kPartPixels, drawn_layers);
+  // A rank composes some tiles, of which it receives what all ranks drew.
+  const uint64_t received = (tiles + ranks - 1) / ranks *
+                            (layers * kPartPixels * kMostPartChannels * sizeof(float) +
+                             ranks * (sizeof(uint64_t) * 2 + drawn_layers * sizeof(PartHeader)));
+  const uint64_t composed = tiles * kPartPixels * kMostPartChannels * sizeof(float);
   // Parts are drawn and gathered in turn, and messages exist in addition to them.
-  return std::min(memory_bytes / kPartShare, 2 * all / static_cast<uint64_t>(dealing.ranks) +
-                                                 pixels * kMostPartChannels * sizeof(float));
+  return std::min(memory_bytes / kPartShare, 2 * std::max(drawn, received) + composed);
 }
 
 uint64_t memoryOfAnyParts(PictureSize size, const Dealing& dealing) {

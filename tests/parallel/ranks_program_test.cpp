@@ -211,6 +211,23 @@ TEST_P(RanksProgram, keepToTheirOwnBudgets) {
   EXPECT_FALSE(program_.exists("b.png"));
 }
 
+// A view from close by sees few groups of blocks, which may all be one rank's.
+TEST_P(RanksProgram, drawWhatOneOfThemSeesAlone) {
+  const std::string command =
+      "render synth:cube,dims=64x64x64 --opacity 0.001 --zoom 4 --block 32 --size 101x110 --json "
+      "-q "
+      "-o ";
+  ASSERT_EQ(program_.run(command + "alone.png").status, 0);
+  for (const int ranks : {4, 8}) {
+    const CommandResult run = onRanks(ranks, command + "together.png --force --memory 2G");
+    ASSERT_EQ(run.status, 0) << ranks << run.output;
+    EXPECT_LE(pictureDifference(program_.folder / "alone.png", program_.folder / "together.png"), 1)
+        << ranks;
+    for (const json& rank : json::parse(run.output)["ranks"])
+      EXPECT_LE(rank["part_bytes"].get<uint64_t>(), rank["part_memory_bytes"].get<uint64_t>() / 2);
+  }
+}
+
 TEST_P(RanksProgram, speakWithOneVoice) {
   const CommandResult run = onRanks(3, fmt::format("render {} -o a.png", kPicture));
   EXPECT_EQ(run.status, 0);

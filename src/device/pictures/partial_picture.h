@@ -49,6 +49,8 @@ struct PartialPicture {
 void checkPartRoom(uint64_t bytes, uint64_t most_bytes);
 PartialPicture emptyPartialPicture(PictureSize size);
 
+// A tile's memory is at most this share of its records more than they take.
+inline constexpr size_t kPartGrowth = 4;
 struct PartHeader {
   uint32_t layer = 0;
   uint32_t pixels = 0;  // in the mask
@@ -68,7 +70,11 @@ void packPart(std::vector<std::byte>& to, uint32_t layer, int channels, const Is
   }
   if (header.pixels == 0) return;
   const size_t at = to.size();
-  to.resize(at + sizeof header + header.pixels * static_cast<size_t>(channels) * sizeof(float));
+  const size_t size =
+      at + sizeof header + header.pixels * static_cast<size_t>(channels) * sizeof(float);
+  // Grown in smaller steps than a vector's own, since all memory of parts is counted.
+  if (size > to.capacity()) to.reserve(size + at / kPartGrowth);
+  to.resize(size);
   std::memcpy(to.data() + at, &header, sizeof header);
   std::byte* out = to.data() + at + sizeof header;
   for (size_t word = 0; word < header.mask.size(); ++word)
