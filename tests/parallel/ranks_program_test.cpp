@@ -228,6 +228,22 @@ TEST_P(RanksProgram, drawWhatOneOfThemSeesAlone) {
   }
 }
 
+// The look and the fit come from a coarse level then.
+TEST_P(RanksProgram, openAStoreWithoutAnIndexAsOneProcessDoes) {
+  const CommandResult packed =
+      program_.run("pack synth:phantom,dims=160x150x140 -o soon.zarr --chunk 32 --levels 3 -q");
+  ASSERT_EQ(packed.status, 0) << packed.output;
+  const std::string command = "render soon.zarr --size 60x50 -o ";
+  const auto forget = [&] { std::filesystem::remove_all(program_.folder / "cache"); };
+  forget();
+  ASSERT_EQ(program_.run(command + "alone.png").status, 0);
+  forget();
+  const CommandResult run = onRanks(3, command + "together.png");
+  ASSERT_EQ(run.status, 0) << run.output;
+  EXPECT_EQ(occurrences(run.output, "level 0 has no index yet"), 1) << run.output;
+  EXPECT_LE(pictureDifference(program_.folder / "alone.png", program_.folder / "together.png"), 1);
+}
+
 TEST_P(RanksProgram, speakWithOneVoice) {
   const CommandResult run = onRanks(3, fmt::format("render {} -o a.png", kPicture));
   EXPECT_EQ(run.status, 0);

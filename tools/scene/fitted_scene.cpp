@@ -72,19 +72,33 @@ FittedScene fittedScene(const RenderArguments& arguments, const std::optional<Sa
   return fitted;
 }
 
+// Whether the finest level is to be read after all. Ranks read it if any of them must, or if only
+// some have its index, as on hosts with cache folders of their own: all must draw the same.
+bool mustReadFinest(const FittedScene& fitted, const RenderArguments& arguments, Team* team) {
+  const Scene& scene = *fitted.scene;
+  const bool must_read = mustReadFinest(scene, arguments.frame, fitted.cameras);
+  if (team == nullptr) return must_read;
+  Message mine{std::byte{must_read}};
+  for (const Layer* layer : scene.layers())
+    mine.push_back(std::byte{layer->volume.stand_in.has_value()});
+  return std::ranges::any_of(team->gatherAll(mine), [&](const Message& other) {
+    return other != mine || other.front() != std::byte{0};
+  });
+}
+
 }  // namespace
 
 FittedScene openFitted(const RenderArguments& arguments, const std::optional<SavedView>& saved,
                        const Outputs& outputs, Team* team, Room room, FinestLevel finest) {
   const bool compares = arguments.verify || arguments.debug_view;
-  if (team == nullptr && !compares) {
-    const bool is_row = asksForRefinement(arguments) && !isSeries(arguments);
+  // Ranks open the steps of a series one after the other, each with the finest level.
+  if (!compares && (team == nullptr || !isSeries(arguments))) {
+    const bool is_row = asksForRefinement(arguments) && !isSeries(arguments) && team == nullptr;
     FittedScene fitted = fittedScene(arguments, saved, outputs, team, room,
                                      is_row ? finest : std::min(finest, FinestLevel::kMayWait));
-    Scene& scene = *fitted.scene;
     // A row of pictures begins with coarse ones at once.
     if (arguments.progressive) return fitted;
-    if (!mustReadFinest(scene, arguments.frame, fitted.cameras)) return fitted;
+    if (!mustReadFinest(fitted, arguments, team)) return fitted;
   }
   return fittedScene(arguments, saved, outputs, team, room, FinestLevel::kRead);
 }

@@ -21,8 +21,9 @@ struct FittedScene {
 
 // The finest level is read at the opening only if a picture shows it, or an option compares with
 // it. A row of pictures of a volume without levels and index begins with a sample of its voxels, if
-// `finest` allows it. With several ranks, rank 0 makes the index that the others read. `saved`: a
-// view, which must fit the volume. Throws Error, Interrupted.
+// `finest` allows it. With several ranks, rank 0 makes the indices that the others read, and all
+// read the finest level or none does; for a series all do. `saved`: a view, which must fit the
+// volume. Throws Error, Interrupted.
 FittedScene openFitted(const RenderArguments& arguments, const std::optional<SavedView>& saved,
                        const Outputs& outputs, Team* team, Room room,
                        FinestLevel finest = FinestLevel::kMaySample);
