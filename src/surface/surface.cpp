@@ -23,6 +23,9 @@ namespace {
 
 // Longer rows cost memory and save no more time.
 constexpr int64_t kMostRowBlocks = 8;
+// Rows are as long as leaves memory for so many threads. The number of threads that there are plays
+// no part: the order of the mesh follows from the rows.
+constexpr int kThreadsToFit = 8;
 
 // The stored voxels of a block, for the progress.
 uint64_t blockBytes(const SurfaceRequest& request) {
@@ -61,7 +64,7 @@ Shares sharesFor(const SurfaceRequest& request, int threads) {
     return threadsBytes(request, row_blocks, of);
   };
   Shares shares{std::min(kMostRowBlocks, request.states.layout.grid.x), threads};
-  while (shares.row_blocks > 1 && needs(shares.row_blocks, shares.threads) > request.memory_bytes)
+  while (shares.row_blocks > 1 && needs(shares.row_blocks, kThreadsToFit) > request.memory_bytes)
     shares.row_blocks /= 2;
   while (shares.threads > 1 && needs(shares.row_blocks, shares.threads) > request.memory_bytes)
     --shares.threads;

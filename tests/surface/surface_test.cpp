@@ -197,6 +197,16 @@ TEST(Surface, isTheSameForAnyBlocksThreadsAndMemory) {
   // Short pieces.
   const Made least = make(*source, {.threshold = 200, .block = 16, .memory_bytes = 6 << 20});
   EXPECT_EQ(sortedTriangles(least.mesh), triangles);
+  // Fewer threads work if the memory is short, on the same pieces.
+  for (const uint64_t mib : {6, 12, 24, 48}) {
+    const auto bytesOf = [&](int threads) {
+      return make(*source,
+                  {.threshold = 200, .block = 16, .threads = threads, .memory_bytes = mib << 20})
+          .bytes;
+    };
+    const auto one = bytesOf(1);
+    for (const int threads : {2, 5}) EXPECT_TRUE(bytesOf(threads) == one) << mib << " " << threads;
+  }
 }
 
 TEST(Surface, saysHowMuchMemoryItNeeds) {
