@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string>
 #include <utility>
 
 #include "io/zarr/levels/level_shape.h"
@@ -151,10 +152,12 @@ VolumeSurface makeSurface(const IndexedVolume& volume, const SurfaceOptions& opt
   made.report = makeSurface(request, file, pass.pool, pass.progress);
   if (made.report.triangles == 0) {
     const ValueRange values = volume.finiteRange();
+    const std::string found = volume.index->ranges.mayHoldNumbers()
+                                  ? fmt::format("values are from {} to {}", values.lo, values.hi)
+                                  : "no value is a finite number";
     made.warnings.push_back(
-        fmt::format("{}: no surface at {:g}, the mesh is empty: values are from {:g} to {:g}{}",
-                    volume.name, options.threshold, values.lo, values.hi,
-                    options.crop ? ", and the surface may lie outside the crop" : ""));
+        fmt::format("{}: no surface at {}, the mesh is empty: {}{}", volume.name, options.threshold,
+                    found, options.crop ? ", and the surface may lie outside the crop" : ""));
   }
   return made;
 }

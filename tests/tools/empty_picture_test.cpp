@@ -71,7 +71,14 @@ TEST(EmptyPicture, noFiniteNumberIsSaidSo) {
   EXPECT_THAT(said, HasSubstr("a.png shows nothing: no voxel is a finite number"));
   const std::string info = program.run("info nan_8x8x8_float32.raw").output;
   EXPECT_THAT(info, HasSubstr("no value is a finite number"));
-  EXPECT_THAT(info, HasSubstr("0 of them not all NaN"));
+  EXPECT_THAT(info, HasSubstr("1 block of 32 a side, 0 of them not all NaN"));
+  EXPECT_THAT(info, Not(HasSubstr("look")));
+  EXPECT_THAT(program.run("surface nan_8x8x8_float32.raw --iso 1 -o a.ply").output,
+              HasSubstr("no surface at 1, the mesh is empty: no value is a finite number"));
+  writeVolume(program, "high_8x8x8_uint32.raw", std::vector<uint32_t>(512, 2147483646));
+  EXPECT_THAT(
+      program.run("surface high_8x8x8_uint32.raw --iso 2147483640 -o b.ply").output,
+      HasSubstr("no surface at 2147483640, the mesh is empty: values are from 2147483648 to"));
 }
 
 // Next to the picture that shows something else than its values say.

@@ -130,10 +130,13 @@ void print(const IndexedVolume& volume, const ChosenLook& look) {
     say("  values {} to {}\n", range.lo, range.hi);
   else
     say("  no value is a finite number\n");
-  say("  {} blocks of {} a side, {} of them not all {}\n", volume.layout.blockCount(),
+  const int64_t blocks = volume.layout.blockCount();
+  say("  {} block{} of {} a side, {} of them not all {}\n", blocks, blocks == 1 ? "" : "s",
       volume.layout.size, ranges.blocks.size(), backgroundText(ranges));
-  say("  look {}: {}{}\n", look.transfer.name, look.options(),
-      layout.time_steps > 1 ? " (of this step; a picture uses the range of all steps)" : "");
+  // A look is chosen from the values.
+  if (ranges.mayHoldNumbers())
+    say("  look {}: {}{}\n", look.transfer.name, look.options(),
+        layout.time_steps > 1 ? " (of this step; a picture uses the range of all steps)" : "");
   say("  index {}{}{}\n", volume.index->state, volume.index->path.empty() ? "" : ": ",
       volume.index->path.string());
 }

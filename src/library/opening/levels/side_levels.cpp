@@ -284,11 +284,13 @@ void SideLevels::prepare(const SideLevelsRequest& request) {
                                 error.what()));
   }
   held_bytes_ = plan->held_bytes;
+  const bool is_one = plan->levels.size() == 1;
   if (request.announce)
     request.announce(fmt::format(
-        "{}: makes {} coarser levels once and keeps them in {}, at most {} (--levels none goes "
+        "{}: makes {} coarser level{} once and keeps {} in {}, at most {} (--levels none goes "
         "without)",
-        name_, plan->levels.size(), folder.string(), formatBytes(plan->voxel_bytes)));
+        name_, plan->levels.size(), is_one ? "" : "s", is_one ? "it" : "them", folder.string(),
+        formatBytes(plan->voxel_bytes)));
 }
 
 void SideLevels::discard() {
