@@ -24,7 +24,7 @@ using testing::Not;
 
 constexpr const char* kVolume = "v_131x117x95_uint8.raw";
 constexpr const char* kLook = "--threshold 60 --no-shade --view plain --size 64 --pixel-error 1";
-constexpr const char* kMade = "coarser levels once and keeps them in";
+constexpr const char* kMade = " once and keeps ";
 
 class SideLevelsCommand : public testing::Test {
  protected:
