@@ -78,9 +78,6 @@ TEST_P(EachBackend, isTheOneAskedForAndACoreProfile) {
   GLint profile = 0;
   context_->functions().GetIntegerv(GL_CONTEXT_PROFILE_MASK, &profile);
   EXPECT_EQ(profile, GL_CONTEXT_CORE_PROFILE_BIT);
-  EXPECT_GE(context_->versionNumber(), 33);
-  EXPECT_THAT(context_->version(), HasSubstr(fmt::format("{}.{}", context_->versionNumber() / 10,
-                                                         context_->versionNumber() % 10)));
   EXPECT_NE(context_->renderer(), "");
   if (context_->backend() == "osmesa") {
     EXPECT_TRUE(context_->isSoftware());
@@ -92,14 +89,8 @@ TEST_P(EachBackend, reportsLimitsThatGlAllows) {
   const GlLimits& limits = context_->limits();
   EXPECT_GE(limits.max_3d_texture_size, 256);
   EXPECT_GE(limits.max_texture_size, 1024);
-  EXPECT_GE(limits.max_array_layers, 256);
-  EXPECT_GE(limits.max_renderbuffer_size, 1024);
   EXPECT_GE(limits.max_viewport_size, 1024);
-  EXPECT_GE(limits.max_color_attachments, 8);
-  EXPECT_GE(limits.max_draw_buffers, 8);
   EXPECT_GE(limits.max_texture_units, 16);
-  EXPECT_GE(limits.max_uniform_block_bytes, 16384);
-  EXPECT_GE(limits.max_samples, 4);
 }
 
 TEST_P(EachBackend, knowsItsExtensions) {

@@ -45,14 +45,8 @@ GlLimits limitsOf(const GlFunctions& gl) {
   gl.GetIntegerv(GL_MAX_VIEWPORT_DIMS, viewport.data());
   return {.max_3d_texture_size = integer(gl, GL_MAX_3D_TEXTURE_SIZE),
           .max_texture_size = integer(gl, GL_MAX_TEXTURE_SIZE),
-          .max_array_layers = integer(gl, GL_MAX_ARRAY_TEXTURE_LAYERS),
-          .max_renderbuffer_size = integer(gl, GL_MAX_RENDERBUFFER_SIZE),
           .max_viewport_size = std::min(viewport[0], viewport[1]),
-          .max_color_attachments = integer(gl, GL_MAX_COLOR_ATTACHMENTS),
-          .max_draw_buffers = integer(gl, GL_MAX_DRAW_BUFFERS),
-          .max_texture_units = integer(gl, GL_MAX_TEXTURE_IMAGE_UNITS),
-          .max_uniform_block_bytes = integer(gl, GL_MAX_UNIFORM_BLOCK_SIZE),
-          .max_samples = integer(gl, GL_MAX_SAMPLES)};
+          .max_texture_units = integer(gl, GL_MAX_TEXTURE_IMAGE_UNITS)};
 }
 
 // Tries one way after another and remembers why each failed.
@@ -141,11 +135,8 @@ void GlContext::release() noexcept {
 
 void GlContext::describe(const GlLoader& loader) {
   functions_ = loadGlFunctions(loader);
-  vendor_ = text(functions_, GL_VENDOR);
   renderer_ = text(functions_, GL_RENDERER);
   version_ = text(functions_, GL_VERSION);
-  version_number_ =
-      integer(functions_, GL_MAJOR_VERSION) * 10 + integer(functions_, GL_MINOR_VERSION);
   is_software_ = isSoftwareRenderer(renderer_);
   limits_ = limitsOf(functions_);
   const int count = integer(functions_, GL_NUM_EXTENSIONS);

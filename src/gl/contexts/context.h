@@ -44,14 +44,8 @@ struct GlLibraries {
 struct GlLimits {
   int max_3d_texture_size = 0;  // voxels along an axis
   int max_texture_size = 0;     // texels along an axis, 1D and 2D
-  int max_array_layers = 0;
-  int max_renderbuffer_size = 0;
-  int max_viewport_size = 0;  // the smaller of width and height
-  int max_color_attachments = 0;
-  int max_draw_buffers = 0;
-  int max_texture_units = 0;  // for a fragment shader
-  int max_uniform_block_bytes = 0;
-  int max_samples = 0;
+  int max_viewport_size = 0;    // the smaller of width and height
+  int max_texture_units = 0;    // for a fragment shader
 };
 
 class GlContext {
@@ -71,11 +65,8 @@ class GlContext {
   const GlFunctions& functions() const { return functions_; }
   std::string_view backend() const { return backend_; }      // "osmesa" or "egl"
   const std::string& device() const { return device_; }      // GlProbe::device; "" for OSMesa
-  const std::string& vendor() const { return vendor_; }      // GL_VENDOR
   const std::string& renderer() const { return renderer_; }  // GL_RENDERER
   const std::string& version() const { return version_; }    // GL_VERSION
-  // 33, 45, ...: major * 10 + minor.
-  int versionNumber() const { return version_number_; }
   // Mesa's CPU rasterisers by their names: textures then live in the process's memory.
   bool isSoftware() const { return is_software_; }
   const GlLimits& limits() const { return limits_; }
@@ -94,11 +85,10 @@ class GlContext {
   virtual void unbind() noexcept = 0;
 
  private:
-  // Constant after construction, set by describe() from vendor_ on.
+  // Constant after construction, set by describe() from renderer_ on.
   const std::string_view backend_;
   const std::string device_;
-  std::string vendor_, renderer_, version_;
-  int version_number_ = 0;
+  std::string renderer_, version_;
   bool is_software_ = false;
   GlLimits limits_;
   std::vector<std::string> extensions_;  // sorted
