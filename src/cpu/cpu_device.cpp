@@ -16,7 +16,7 @@
 namespace sluice {
 namespace {
 
-constexpr int64_t kMostTexels = 2048, kMostPixels = 1 << 14;
+constexpr int64_t kMostPixels = 1 << 14;
 // Boxes are put off until they have about so many samples, or are so many: tiles of fewer leave
 // threads waiting, and reading goes on meanwhile.
 constexpr double kMostPutOffSamples = 1 << 25;
@@ -68,7 +68,7 @@ CpuDevice::CpuDevice(WorkerPool& pool, SimdTarget target)
                             pool.threads() == 1 ? "" : "s")) {}
 
 DeviceLimits CpuDevice::limits() const {
-  return {kMostTexels, kMostPixels, TexelPlace::kBorrowed};
+  return {kMostPixels, TexelPlace::kBorrowed};
 }
 
 void CpuDevice::makeResident(uint64_t id, ChunkTexelsPtr texels) {

@@ -31,7 +31,6 @@ enum class TexelPlace {
 };
 
 struct DeviceLimits {
-  int64_t max_texture_size = 0;  // texels along any axis of a chunk
   int64_t max_picture_size = 0;  // pixels along an axis
   TexelPlace texels = TexelPlace::kOnDevice;
 };

@@ -74,7 +74,7 @@ GlDevice::~GlDevice() {
 
 DeviceLimits GlDevice::limits() const {
   const GlLimits& limits = context_->limits();
-  return {limits.max_3d_texture_size, std::min(limits.max_texture_size, limits.max_viewport_size),
+  return {std::min(limits.max_texture_size, limits.max_viewport_size),
           context_->isSoftware() ? TexelPlace::kInMemory : TexelPlace::kOnDevice};
 }
 

@@ -17,7 +17,7 @@ namespace {
 // A device whose picture is the number of boxes that it drew: it looks at no texel.
 class BoxCountDevice : public Device {
  public:
-  DeviceLimits limits() const override { return {256, 4096, TexelPlace::kBorrowed}; }
+  DeviceLimits limits() const override { return {4096, TexelPlace::kBorrowed}; }
   const char* backend() const override { return "count"; }
   const char* renderer() const override { return "boxes"; }
   void makeResident(uint64_t id, ChunkTexelsPtr texels) override { held_[id] = std::move(texels); }

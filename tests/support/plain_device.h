@@ -27,7 +27,7 @@ class PlainDevice : public Device {
   explicit PlainDevice(const PlainDeviceOptions& options = {}) : options_(options) {}
 
   DeviceLimits limits() const override {
-    return {1 << 20, 1 << 14, options_.borrows ? TexelPlace::kBorrowed : TexelPlace::kInMemory};
+    return {1 << 14, options_.borrows ? TexelPlace::kBorrowed : TexelPlace::kInMemory};
   }
   const char* backend() const override { return "plain"; }
   const char* renderer() const override { return "plain loops"; }
