@@ -38,8 +38,7 @@ TransferFunction modulated(double share, ValueRange range, double full_share = 0
 TransferFunction plane(ValueRange range) {
   const double span = range.hi - range.lo;
   const auto at = [&](double share) { return range.lo + share * span; };
-  TransferFunction transfer = mapTransfer("turbo", range);
-  transfer.opacities = {{at(0.05), 0}, {at(0.1), 0.3}};
+  TransferFunction transfer = pointsTransfer("turbo", range, {{at(0.05), 0}, {at(0.1), 0.3}});
   transfer.gradients = {{0.01 * span, {{at(0.5), 0}, {at(0.6), 0.4}, {at(0.8), 0.4}, {at(0.8), 0}}},
                         {0.04 * span, {{0, 0}}},
                         {0.12 * span, {{at(0.2), 0}, {at(0.3), 1}, {at(0.6), 0.5}}}};

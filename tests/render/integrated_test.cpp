@@ -16,10 +16,13 @@ constexpr double kOfReference = 2;
 // A thin shell and a solid inside, without a step.
 TransferFunction shellAndCore(ValueRange range, double opacity = 0.4) {
   const auto at = [&](double share) { return range.lo + share * (range.hi - range.lo); };
-  TransferFunction transfer = mapTransfer("viridis", range);
-  transfer.opacities = {{at(0.3), 0}, {at(0.33), opacity}, {at(0.36), 0},
-                        {at(0.7), 0}, {at(0.8), 0.2},      {at(0.95), 0.9}};
-  return transfer;
+  return pointsTransfer("viridis", range,
+                        {{at(0.3), 0},
+                         {at(0.33), opacity},
+                         {at(0.36), 0},
+                         {at(0.7), 0},
+                         {at(0.8), 0.2},
+                         {at(0.95), 0.9}});
 }
 
 class IntegratedTest : public RightPictureTest {
@@ -87,8 +90,7 @@ TEST_F(IntegratedTest, anEndThatIsNoNumberLeavesTheOtherOne) {
 TEST_F(IntegratedTest, blocksBesideVisibleOnesAreDrawn) {
   const auto source = makeMemorySource<uint8_t>(
       Vec3i{29, 17, 17}, [](int64_t x, int64_t, int64_t) { return x == 14 ? 200.0 : 0.0; });
-  TransferFunction transfer = mapTransfer("grey", {0, 255});
-  transfer.opacities = {{150, 0}, {190, 0.5}};
+  const TransferFunction transfer = pointsTransfer("grey", {0, 255}, {{150, 0}, {190, 0.5}});
   FrameOptions options = obliqueView(Projection::kOrtho, {64, 60});
   for (const double step : {1.0, 2.0}) {
     options.step_vox = step;

@@ -281,7 +281,7 @@ TEST_F(PictureTest, syntheticVolumesOfEveryKind) {
                          : type == VoxelType::kU8  ? 255
                          : type == VoxelType::kU16 ? 65535
                                                    : 1;
-      const TransferFunction transfer = mapTransfer("inferno", {0, top}, 0.2);
+      const TransferFunction transfer = pointsTransfer("inferno", {0, top}, {{0, 0}, {top, 0.2}});
       for (const bool lit : {false, true}) {
         SCOPED_TRACE(fmt::format("{}, {}, lit {}", name(kind), name(type), lit));
         RenderScene scene(device(), *source, transfer, {.lit = lit});

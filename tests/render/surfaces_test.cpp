@@ -19,8 +19,7 @@ constexpr double kSurfaceTolerance = 2;
 
 // Opacity 0 everywhere: surfaces alone show.
 TransferFunction surfacesAlone(ValueRange range, std::vector<IsoSurface> surfaces) {
-  TransferFunction transfer = mapTransfer("viridis", range);
-  transfer.opacities = {{range.lo, 0}};
+  TransferFunction transfer = pointsTransfer("viridis", range, {{range.lo, 0}});
   transfer.surfaces = std::move(surfaces);
   return transfer;
 }

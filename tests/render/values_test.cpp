@@ -37,9 +37,7 @@ std::unique_ptr<MemorySource> waves(ValueRange range, double scale = 1, double o
 // Opaque above the middle of the values, colours over all of them.
 TransferFunction rampOver(ValueRange range) {
   const double middle = 0.5 * (range.lo + range.hi);
-  TransferFunction transfer = mapTransfer("viridis", range);
-  transfer.opacities = {{middle, 0}, {range.hi, 0.3}};
-  return transfer;
+  return pointsTransfer("viridis", range, {{middle, 0}, {range.hi, 0.3}});
 }
 
 class ValuesTest : public RenderTest {
@@ -96,8 +94,7 @@ TEST_F(ValuesTest, scaleAndOffsetApplyToValues) {
 
 TEST_F(ValuesTest, negativeScaleTurnsMipIntoTheGreatestValue) {
   const auto source = waves<uint8_t>({0, 255}, -1, 255);
-  TransferFunction transfer = mapTransfer("viridis", {0, 255});
-  transfer.opacities = {{0, 1}};
+  const TransferFunction transfer = pointsTransfer("viridis", {0, 255}, {{0, 1}});
   RenderScene scene(device(), *source, transfer, {.block_vox = 8});
   for (const Mode mode : {Mode::kMip, Mode::kMinip, Mode::kAverage}) {
     FrameOptions options = obliqueView(Projection::kOrtho, {64, 60});

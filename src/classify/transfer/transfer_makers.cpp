@@ -22,15 +22,6 @@ TransferFunction thresholdTransfer(double threshold, ValueRange range, double op
   return transfer;
 }
 
-TransferFunction mapTransfer(std::string_view map, ValueRange range, double opacity) {
-  TransferFunction transfer;
-  transfer.name = map;
-  transfer.colors = rescale(requireColorMap(map, "--map"), range.lo, range.hi);
-  transfer.opacities = {{range.lo, 0}, {range.hi, opacity}};
-  validate(transfer, transfer.name);
-  return transfer;
-}
-
 TransferFunction pointsTransfer(std::string_view map, ValueRange map_range,
                                 std::vector<OpacityPoint> opacities) {
   TransferFunction transfer;

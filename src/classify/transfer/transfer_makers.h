@@ -23,11 +23,6 @@ TransferFunction thresholdTransfer(double threshold, ValueRange range,
                                    double opacity = kDefaultOpacity,
                                    std::string_view map = kDefaultColorMap);
 
-// The map over the whole range, the opacity linear from 0 at its low end to `opacity` at its high
-// one. Throws Error when the map is unknown or the opacity not in 0..1.
-TransferFunction mapTransfer(std::string_view map, ValueRange range,
-                             double opacity = kDefaultOpacity);
-
 // The map over `map_range` (reversed if lo > hi) and these opacities. Throws Error when the map is
 // unknown or the points are not valid.
 TransferFunction pointsTransfer(std::string_view map, ValueRange map_range,

@@ -63,18 +63,6 @@ TEST(ThresholdTransfer, rejectsWhatIsNoThresholdOpacityOrMap) {
   EXPECT_THROW(thresholdTransfer(0.5, {0, 1}, 0.5, "jet"), Error);
 }
 
-TEST(MapTransfer, spansTheRangeWithARampFromZero) {
-  const auto transfer = mapTransfer("grey", {-100, 100}, 0.2);
-  EXPECT_EQ(opacityAt(transfer, -100), 0);
-  EXPECT_DOUBLE_EQ(opacityAt(transfer, 0), 0.1);
-  EXPECT_EQ(opacityAt(transfer, 100), 0.2);
-  EXPECT_EQ(colorAt(transfer, 0), (Vec3d{0.5, 0.5, 0.5}));
-  EXPECT_EQ(transfer.name, "grey");
-  EXPECT_EQ(opacityAt(mapTransfer("grey", {5, 5}, 0.2), 5), 0.2);
-  EXPECT_THROW(mapTransfer("no such map", {0, 1}), Error);
-  EXPECT_THROW(mapTransfer("grey", {0, 1}, 2), Error);
-}
-
 TEST(ScaleOpacity, multipliesAndStopsAtOne) {
   const auto transfer = scaleOpacity(thresholdTransfer(40, {0, 240}, 0.5), 4);
   EXPECT_DOUBLE_EQ(opacityAt(transfer, 40), 0.4);
