@@ -7,6 +7,7 @@
 #include <thread>
 #include <vector>
 
+#include "tests/support/gradient_factor.h"
 #include "tests/support/reference_extinction.h"
 #include "tests/support/reference_gradients.h"
 #include "tests/support/reference_light.h"

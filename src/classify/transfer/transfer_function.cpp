@@ -81,20 +81,6 @@ double gradientFactorAt(const GradientRow& row, double value) {
   return opacityIn(segmentAt(row.factors, value));
 }
 
-double gradientFactorAt(const TransferFunction& transfer, double value, double magnitude) {
-  const std::vector<GradientRow>& rows = transfer.gradients;
-  // Without rows the opacity holds at any magnitude.
-  if (rows.empty()) return 1;
-  const auto above =
-      std::upper_bound(rows.begin(), rows.end(), magnitude,
-                       [](double m, const GradientRow& row) { return m < row.magnitude; });
-  if (above == rows.begin()) return gradientFactorAt(rows.front(), value);
-  if (above == rows.end()) return gradientFactorAt(rows.back(), value);
-  const GradientRow& below = *(above - 1);
-  const double t = (magnitude - below.magnitude) / (above->magnitude - below.magnitude);
-  return std::lerp(gradientFactorAt(below, value), gradientFactorAt(*above, value), t);
-}
-
 void validate(const TransferFunction& transfer, const std::string& where) {
   validateValues(transfer.colors, "colors", where);
   for (size_t i = 0; i < transfer.colors.size(); ++i) {

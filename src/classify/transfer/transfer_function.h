@@ -67,8 +67,7 @@ struct TransferFunction {
 // opacity 0.
 Vec3d colorAt(const TransferFunction& transfer, double value);
 double opacityAt(const TransferFunction& transfer, double value);
-// The share of the opacity that remains at a gradient magnitude: 1 without rows.
-double gradientFactorAt(const TransferFunction& transfer, double value, double magnitude);
+// The share of the opacity that remains at a row's gradient magnitude.
 double gradientFactorAt(const GradientRow& row, double value);
 
 // Throws Error, starting with `where`, when a list is empty or descends, there are too many rows,

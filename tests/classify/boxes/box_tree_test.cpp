@@ -12,6 +12,7 @@
 
 #include "tests/classify/boxes/partition.h"
 #include "tests/support/random_volume.h"
+#include "tests/support/tree_visit.h"
 
 namespace sluice {
 namespace {

@@ -8,6 +8,7 @@
 #include <random>
 
 #include "src/classify/transfer/transfer_makers.h"
+#include "tests/support/gradient_factor.h"
 
 namespace sluice {
 namespace {

@@ -13,6 +13,7 @@
 #include "src/classify/transfer/color_maps.h"
 #include "src/classify/transfer/label_table.h"
 #include "src/classify/transfer/transfer_makers.h"
+#include "tests/support/gradient_factor.h"
 #include "tests/support/temp_folder.h"
 
 namespace sluice {

@@ -12,6 +12,7 @@
 
 #include "src/base/error.h"
 #include "src/classify/transfer/segments.h"
+#include "tests/support/gradient_factor.h"
 
 namespace sluice {
 namespace {

@@ -9,6 +9,7 @@
 
 #include "src/base/error.h"
 #include "src/base/values/histogram.h"
+#include "tests/support/gradient_factor.h"
 
 namespace sluice {
 namespace {
