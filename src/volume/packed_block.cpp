@@ -2,7 +2,6 @@
 
 #include <blosc.h>
 
-#include <algorithm>
 #include <new>
 
 #include "src/base/error.h"
@@ -14,9 +13,6 @@ namespace {
 size_t mostPackedBytes(size_t byte_count) {
   return byte_count - byte_count / 8;
 }
-
-// Blosc's blocks at the level that pack() takes by default; it holds two of them while it works.
-constexpr size_t kBloscBlockVoxels = size_t{128} << 10;
 
 }  // namespace
 
@@ -38,11 +34,6 @@ std::optional<PackedBytes> pack(std::span<const std::byte> voxels, size_t voxel_
     result.bytes.reset(static_cast<std::byte*>(shorter));
   }
   return result;
-}
-
-size_t packPeakBytes(size_t byte_count, size_t voxel_bytes) {
-  return mostPackedBytes(byte_count) + BLOSC_MAX_OVERHEAD +
-         2 * std::min(byte_count, kBloscBlockVoxels * voxel_bytes);
 }
 
 void unpack(const PackedBytes& packed, std::span<std::byte> out) {

@@ -27,12 +27,10 @@ struct PackCodec {
 };
 
 // Nullopt if packing does not save an eighth: noise is better dropped and read again. Throws
-// std::bad_alloc.
+// std::bad_alloc. For a while it takes in addition to the voxels, its result among them: room for
+// seven eighths of them, and two of Blosc's blocks of 128 Ki voxels, which unpack() takes too.
 std::optional<PackedBytes> pack(std::span<const std::byte> voxels, size_t voxel_bytes,
                                 PackCodec codec = {});
-// Bytes that pack() takes for a while in addition to the `byte_count` of the voxels, its result
-// among them: room for seven eighths of them, and two of Blosc's blocks, which unpack() takes too.
-size_t packPeakBytes(size_t byte_count, size_t voxel_bytes);
 // Requires: `packed` was made by pack() from out.size() bytes. Throws std::bad_alloc.
 void unpack(const PackedBytes& packed, std::span<std::byte> out);
 

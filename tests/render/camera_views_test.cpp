@@ -30,12 +30,6 @@ void expectAxes(const ViewAxes& found, Vec3d right, Vec3d up) {
       << "up " << found.up.x << " " << found.up.y << " " << found.up.z;
 }
 
-TEST(CameraViews, namesAreReadBack) {
-  for (const ViewName view : kViews) EXPECT_EQ(parseViewName(name(view)), view);
-  EXPECT_EQ(parseViewName("Front"), std::nullopt);
-  EXPECT_EQ(parseViewName(""), std::nullopt);
-}
-
 TEST(CameraViews, eachIsARightHandedSystem) {
   for (const WorldFrame frame : kFrames)
     for (const ViewName view : kViews)

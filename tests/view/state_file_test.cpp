@@ -149,7 +149,7 @@ TEST(StateFile, namesOfFilesBecomeAbsolute) {
   const std::filesystem::path file = folder / "a.json";
   ViewedVolume volume;
   volume.paths = {file.string()};
-  writeState(file, volume, {});
+  std::ofstream(file) << stateText(volume, {});
   EXPECT_EQ(readState(file).volume->paths.front(), std::filesystem::absolute(file).string());
 }
 
@@ -164,7 +164,7 @@ TEST(StateFile, tablesOfChannelsBecomeAbsolute) {
   state.look.channels = {{.channel = "0", .map = relative, .opacity = 0.5},
                          {.channel = "1", .map = "green"},
                          {.channel = "2", .map = "missing.txt"}};
-  writeState(file, {}, state);
+  std::ofstream(file) << stateText({}, state);
   const auto channels = readState(file).state.look.channels;
   ASSERT_EQ(channels.size(), 3U);
   EXPECT_EQ(channels[0].map, std::filesystem::absolute(relative).string());

@@ -43,12 +43,6 @@ std::string_view name(ViewName view) {
   return kNames[static_cast<size_t>(view)];
 }
 
-std::optional<ViewName> parseViewName(std::string_view word) {
-  for (size_t i = 0; i < kNames.size(); ++i)
-    if (word == kNames[i]) return static_cast<ViewName>(i);
-  return std::nullopt;
-}
-
 ViewAxes frontAxes(ViewName view, WorldFrame frame, const std::optional<Vec3d>& up) {
   const ViewAxes front = frontOf(view == ViewName::kPlain ? WorldFrame::kNone : frame);
   if (!up) return front;

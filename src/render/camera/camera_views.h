@@ -22,11 +22,7 @@ inline constexpr double kDegree = std::numbers::pi / 180;  // in radians
 // a viewer of the front.
 enum class ViewName { kPlain, kFront, kBack, kLeft, kRight, kTop, kBottom, kThreeQuarter };
 
-// The word for a view, one of kViewNames.
-std::string_view name(ViewName view);
-// The view that a word names; nullopt for a word that is none of kViewNames.
-std::optional<ViewName> parseViewName(std::string_view word);
-inline constexpr const char* kViewNames = "plain|front|back|left|right|top|bottom|three-quarter";
+std::string_view name(ViewName view);  // "plain", "front", ...
 
 // Unit directions in the world, right = cross(up, back).
 struct ViewAxes {

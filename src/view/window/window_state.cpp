@@ -76,10 +76,6 @@ void WindowState::fail(const std::string& line) {
   log.write({{"failure", line}});
 }
 
-void openPath(WindowState& window, const std::string& path) {
-  if (!path.empty()) openAny(window, {path});
-}
-
 void openAny(WindowState& window, const std::vector<std::string>& paths) {
   if (paths.empty()) return;
   // No reader of volumes takes .json, so that the ending alone tells a view from a volume.

@@ -230,7 +230,6 @@ struct WindowState {
 };
 
 // Actions of the user on files and views.
-void openPath(WindowState& window, const std::string& path);
 // Opens a file of a state or of a volume, depending on the name.
 void openAny(WindowState& window, const std::vector<std::string>& paths);
 void loadState(WindowState& window, const std::string& name);

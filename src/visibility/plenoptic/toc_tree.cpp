@@ -74,7 +74,7 @@ bool TocTree::beginsWithin(size_t node, int64_t first, int64_t last) const {
   return false;
 }
 
-std::vector<int64_t> TocTree::changedBetween(int64_t from, int64_t to, int64_t* visited) const {
+std::vector<int64_t> TocTree::changedBetween(int64_t from, int64_t to) const {
   SLUICE_CHECK(from >= 0 && from < steps_ && to >= 0 && to < steps_);
   std::vector<int64_t> changed;
   if (from == to) return changed;
@@ -86,11 +86,9 @@ std::vector<int64_t> TocTree::changedBetween(int64_t from, int64_t to, int64_t* 
   };
   // Only nodes in which a span begins between the steps are opened (Gao 2004, section 5.3).
   std::vector<Place> waiting{{levels_.size() - 1, {0, 0, 0}}};
-  int64_t looked_at = 0;
   while (!waiting.empty()) {
     const auto [level, index] = waiting.back();
     waiting.pop_back();
-    ++looked_at;
     const size_t node = nodeAt(levels_[level], index);
     if (!beginsWithin(node, first, last)) continue;
     if (level == 0) {
@@ -104,7 +102,6 @@ std::vector<int64_t> TocTree::changedBetween(int64_t from, int64_t to, int64_t* 
         for (int64_t x = children.lo.x; x < children.hi.x; ++x)
           waiting.push_back({level - 1, {x, y, z}});
   }
-  if (visited != nullptr) *visited = looked_at;
   return changed;
 }
 

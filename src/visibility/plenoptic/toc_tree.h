@@ -22,8 +22,7 @@ class TocTree {
 
   // The blocks, by id, of which a span begins after step `from` and not after step `to`, or the
   // other way round: blocks whose functions belong to different spans. The ids have no order.
-  // `visited` counts the nodes that were looked at.
-  std::vector<int64_t> changedBetween(int64_t from, int64_t to, int64_t* visited = nullptr) const;
+  std::vector<int64_t> changedBetween(int64_t from, int64_t to) const;
 
   uint64_t bytes() const { return bits_.size() * sizeof(uint64_t); }
   int64_t nodes() const;

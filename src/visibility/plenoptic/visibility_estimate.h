@@ -87,7 +87,6 @@ class VisibilityEstimate {
 
   // Whether a ray that is not opaque meets the block, empty ones too. Blocks are given by id.
   bool reaches(int64_t block) const { return reached_in_[static_cast<size_t>(block)] > 0; }
-  int64_t step() const { return step_; }
   // Work of the last setStep().
   int64_t pixelsChecked() const { return pixels_checked_; }
   int64_t changedBlocks() const { return changed_blocks_; }

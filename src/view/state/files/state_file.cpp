@@ -7,7 +7,6 @@
 
 #include "src/base/error.h"
 #include "src/base/field_names.h"
-#include "src/base/files/atomic_file.h"
 #include "src/base/files/json_field.h"
 #include "src/base/files/text_file.h"
 #include "src/base/looks/channel_look.h"
@@ -369,13 +368,6 @@ std::string placeOf(std::string_view option) {
 void requireNoConflict(const ViewState& state, const std::string& where,
                        const std::function<std::string(std::string_view option)>& nameOf) {
   if (const auto conflict = conflictIn(state)) fail("{}: {}", where, renamed(*conflict, nameOf));
-}
-
-void writeState(const std::filesystem::path& path, const ViewedVolume& volume,
-                const ViewState& state) {
-  AtomicFile file(path);
-  file.write(stateText(volume, state));
-  file.commit();
 }
 
 StateFile readState(const std::filesystem::path& path, const StopToken& stop) {

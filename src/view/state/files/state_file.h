@@ -40,9 +40,6 @@ std::string placeOf(std::string_view option);
 void requireNoConflict(const ViewState& state, const std::string& where,
                        const std::function<std::string(std::string_view option)>& nameOf);
 
-// The file appears whole or not at all. Throws Error.
-void writeState(const std::filesystem::path& path, const ViewedVolume& volume,
-                const ViewState& state);
 // Throws Error, and Interrupted while it waits for a pipe.
 StateFile readState(const std::filesystem::path& path, const StopToken& stop = {});
 
