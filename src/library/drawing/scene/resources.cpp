@@ -107,10 +107,8 @@ int64_t pageCount(const MachineOptions& machine, const IndexedVolume& volume,
 uint64_t planBytes(const IndexedVolume& volume, const TransferFunction& transfer,
                    const FrameOptions& frame, WorkerPool& pool) {
   const auto all = static_cast<uint64_t>(volume.layout.blockCount());
-  const bool is_whole =
-      frame.algorithm == Algorithm::kConventional || frame.algorithm == Algorithm::kClipped;
   uint64_t blocks = all;
-  if (!is_whole && !volume.stand_in) {  // of whose blocks nothing is known
+  if (!loadsWholeBlocks(frame.algorithm) && !volume.stand_in) {  // of whose blocks nothing is known
     const SliceRanges& ranges = volume.index->ranges;
     const Look look = makeLook(volume.step(), transfer, frame.mode);
     blocks = static_cast<uint64_t>(

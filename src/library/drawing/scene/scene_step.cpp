@@ -23,7 +23,7 @@ int finestLevelOf(const Scene& scene, const Layer& layer, const TimeStep& step, 
   const LookPtr look =
       planner.look(step, std::make_shared<const TransferFunction>(transfer), options.mode);
   const VisibleBlocksPtr blocks = planner.visibleBlocks(step, look, view, options);
-  return blocks->cut->levels.empty() ? 0 : blocks->cut->levels.front().level;
+  return finestLevelDrawn(*blocks);
 }
 
 // The distance between slices of a layer for which nobody sets one.
