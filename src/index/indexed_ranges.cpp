@@ -12,6 +12,7 @@
 #include "src/index/first_pass.h"
 #include "src/index/index_file.h"
 #include "src/index/slice_ranges_file.h"
+#include "src/volume/passes/voxel_pass.h"
 
 namespace sluice {
 namespace {

@@ -8,6 +8,7 @@
 
 #include "src/base/sources/forwarding_source.h"
 #include "src/volume/passes/pass_pieces.h"
+#include "src/volume/passes/voxel_pass.h"
 #include "src/volume/ranges/brick_ranges.h"
 #include "tests/support/function_source.h"
 #include "tests/support/random_volume.h"

@@ -50,6 +50,11 @@ void passPieces(const PassedVoxels& passed, std::span<const PassPiece> pieces, s
 void passInTiles(const PassedVoxels& passed, int64_t most_voxels, PassLayers layers,
                  VoxelTaker& taker, ProgressMeter& progress, const TakePiece& take);
 
+// A pass for `taker` alone, over the layers that it wants. Throws as passPieces() does.
+void passVoxels(VolumeSource& source, int64_t time, const BlockLayout& layout, WorkerPool& pool,
+                ProgressMeter& progress, uint64_t most_bytes, const StopToken& stop,
+                VoxelTaker& taker);
+
 // The most voxels of a tile if a voxel as it is read and as it is kept take `voxel_bytes` together.
 int64_t voxelsPerTile(size_t voxel_bytes, uint64_t thread_bytes);
 

@@ -60,10 +60,6 @@ SliceRanges buildSliceRanges(VolumeSource& source, int64_t time, const BlockLayo
                              WorkerPool& pool, ProgressMeter& progress, uint64_t most_bytes,
                              const StopToken& stop, BrickRanges& bricks,
                              VoxelTaker* taker = nullptr);
-// A pass for `taker` alone, over the layers that it wants. Throws as buildSliceRanges() does.
-void passVoxels(VolumeSource& source, int64_t time, const BlockLayout& layout, WorkerPool& pool,
-                ProgressMeter& progress, uint64_t most_bytes, const StopToken& stop,
-                VoxelTaker& taker);
 
 // Whether each brick of `grid`, x fastest, has a cell of a block that is not among `blocks`.
 // Requires: `blocks` is in ascending order without repeats.
