@@ -7,6 +7,8 @@ enum class Projection { kOrtho, kPerspective };
 
 struct PictureSize {
   int width = 512, height = 512;
+
+  friend bool operator==(const PictureSize&, const PictureSize&) = default;
 };
 
 }  // namespace sluice

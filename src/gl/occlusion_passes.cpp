@@ -97,7 +97,7 @@ void OcclusionPasses::resize(Plane& plane, PictureSize size) {
     gl_.GenTextures(1, &plane.texture);
   }
   gl_.BindFramebuffer(GL_FRAMEBUFFER, plane.framebuffer);
-  if (plane.size.width == size.width && plane.size.height == size.height) return;
+  if (plane.size == size) return;
   gl_.BindTexture(GL_TEXTURE_2D, plane.texture);
   gl_.TexImage2D(GL_TEXTURE_2D, 0, GL_R32F, size.width, size.height, 0, GL_RED, GL_FLOAT, nullptr);
   gl_.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
@@ -115,7 +115,7 @@ void OcclusionPasses::resizeDepth(PictureSize size) {
     gl_.GenFramebuffers(1, &depth_framebuffer_);
   }
   gl_.BindFramebuffer(GL_FRAMEBUFFER, depth_framebuffer_);
-  if (depth_size_.width == size.width && depth_size_.height == size.height) return;
+  if (depth_size_ == size) return;
   gl_.BindRenderbuffer(GL_RENDERBUFFER, depth_);
   // Two depths suffice: marked or not.
   gl_.RenderbufferStorage(GL_RENDERBUFFER, GL_DEPTH_COMPONENT16, size.width, size.height);

@@ -23,7 +23,7 @@ RenderTarget::~RenderTarget() {
 }
 
 void RenderTarget::resize(PictureSize size) {
-  if (size.width == size_.width && size.height == size_.height) return;
+  if (size == size_) return;
   size_ = {0, 0};  // until the driver has agreed to all of it
   // Errors from before are not of this allocation.
   while (gl_.GetError() != GL_NO_ERROR) {

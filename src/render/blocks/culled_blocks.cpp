@@ -9,13 +9,6 @@
 namespace sluice {
 namespace {
 
-bool isSame(const View& a, const View& b) {
-  return a.projection == b.projection && a.size.width == b.size.width &&
-         a.size.height == b.size.height && a.eye == b.eye && a.right == b.right && a.up == b.up &&
-         a.forward == b.forward && a.half_height == b.half_height &&
-         a.first_depth == b.first_depth && a.step == b.step;
-}
-
 // Nothing is kept where no step follows.
 uint64_t keptBytes(const SeriesOpacity& series, const CullingOptions& options) {
   return options.uses_coherence && series.steps > 1 ? options.most_kept_bytes : 0;
@@ -54,8 +47,7 @@ const CullingCounts& CulledBlocks::countsOf(int64_t time) const {
 
 VisibleBlocksPtr CulledBlocks::choose(const BlockQuestion& question) {
   const VisibleBlocksPtr all = classified_.choose(question);
-  const bool same_view =
-      asked_ && isSame(asked_->view, question.view) && asked_->crop == question.crop;
+  const bool same_view = asked_ && asked_->view == question.view && asked_->crop == question.crop;
   // The same answer object keeps the plan that follows from it.
   if (same_view && asked_->classified == Identity<VisibleBlocks>(all)) return answer_;
   SLUICE_CHECK_EQ(question.step.ranges->layout.cells(), series_->block_cells);

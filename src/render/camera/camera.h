@@ -57,6 +57,8 @@ struct View {
   double half_height = 1;    // ortho: world units; perspective: tan of half the field of view
   double first_depth = 0;    // world units along forward
   double step = 1;           // world units between slices
+
+  friend bool operator==(const View&, const View&) = default;
 };
 
 // Throws Error: a zoom, an angle or an up direction that is none, a picture of no pixels.
