@@ -9,6 +9,7 @@ struct PictureSize {
   int width = 512, height = 512;
 
   friend bool operator==(const PictureSize&, const PictureSize&) = default;
+  double aspect() const { return static_cast<double>(width) / height; }
 };
 
 }  // namespace sluice

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "src/base/values/corners.h"
+
 namespace sluice {
 namespace {
 
@@ -25,11 +27,6 @@ ClipCorner project(const FrameSetup& setup, Vec3d index) {
   };
   return {row(setup.clip_from_index[0]), row(setup.clip_from_index[1]),
           row(setup.clip_from_index[2])};
-}
-
-Vec3d cornerOf(Vec3d lo, Vec3d hi, int corner) {
-  return {(corner & 1) != 0 ? hi.x : lo.x, (corner & 2) != 0 ? hi.y : lo.y,
-          (corner & 4) != 0 ? hi.z : lo.z};
 }
 
 // Nearest and farthest slice numbers of the box's corners.

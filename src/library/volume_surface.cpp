@@ -11,6 +11,7 @@
 #include "io/zarr/levels/level_shape.h"
 #include "src/base/error.h"
 #include "src/base/values/bytes.h"
+#include "src/base/values/corners.h"
 #include "src/index/stale_check.h"
 
 namespace sluice {
@@ -77,10 +78,7 @@ void warnOfFloats(const IndexedVolume& volume, const SurfacePlace& place, const 
                   std::vector<std::string>& warnings) {
   double farthest = 0, finest = std::numeric_limits<double>::infinity();
   for (int corner = 0; corner < 8; ++corner) {
-    Vec3d at;
-    for (int a = 0; a < 3; ++a)
-      at[a] = static_cast<double>((corner >> a & 1) != 0 ? cells.hi[a] : cells.lo[a]);
-    const Vec3d world = place.worldFromVoxel(at);
+    const Vec3d world = place.worldFromVoxel(toDouble(cornerOf(cells, corner)));
     for (int a = 0; a < 3; ++a) farthest = std::max(farthest, std::abs(world[a]));
   }
   for (const Vec3d& step : place.step) finest = std::min(finest, length(step));

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "src/base/values/corners.h"
+
 namespace sluice {
 namespace {
 
@@ -29,11 +31,6 @@ std::array<Vec3d, 2> basisOf(Vec3d normal) {
   return {u, cross(u, n)};
 }
 
-Vec3d cornerOf(const SlicedBox& box, int corner) {
-  return {(corner & 1) != 0 ? box.hi.x : box.lo.x, (corner & 2) != 0 ? box.hi.y : box.lo.y,
-          (corner & 4) != 0 ? box.hi.z : box.lo.z};
-}
-
 // The points of one slice; returns how many.
 size_t cut(const SlicePlanes& planes, const SlicedBox& box, double depth,
            std::array<Point, 6>& points) {
@@ -41,7 +38,8 @@ size_t cut(const SlicePlanes& planes, const SlicedBox& box, double depth,
   for (int axis = 0; axis < 3; ++axis)
     for (int corner = 0; corner < 8; ++corner) {
       if ((corner >> axis & 1) != 0) continue;
-      const Vec3d from = cornerOf(box, corner), to = cornerOf(box, corner | 1 << axis);
+      const Vec3d from = cornerOf(box.lo, box.hi, corner),
+                  to = cornerOf(box.lo, box.hi, corner | 1 << axis);
       const double d0 = planes.depthOf(from), d1 = planes.depthOf(to);
       // A corner on the slice counts as passed on all of its edges. Edges from a passed corner to
       // one that is not always close a polygon, though vertices of it may coincide.
@@ -90,7 +88,7 @@ void slicePlainly(const SlicePlanes& planes, std::span<const SlicedBox> boxes, S
   for (const SlicedBox& box : boxes) {
     double nearest = planes.depthOf(box.lo), farthest = nearest;
     for (int corner = 1; corner < 8; ++corner) {
-      const double depth = planes.depthOf(cornerOf(box, corner));
+      const double depth = planes.depthOf(cornerOf(box.lo, box.hi, corner));
       nearest = std::min(nearest, depth);
       farthest = std::max(farthest, depth);
     }

@@ -9,6 +9,7 @@
 
 #include "io/web/address.h"
 #include "src/base/threads/clock.h"
+#include "src/base/values/corners.h"
 #include "src/library/opening/thick_source.h"
 #include "src/render/camera/index_space.h"
 #include "tools/outputs/cut_report.h"
@@ -128,9 +129,7 @@ WorldBounds worldBounds(const VolumeLayout& layout) {
   const Vec3d last = toDouble(layout.dims - Vec3i{1, 1, 1});
   WorldBounds bounds{worldFromIndex(layout, {}), worldFromIndex(layout, {})};
   for (int corner = 1; corner < 8; ++corner) {
-    const Vec3d index{(corner & 1) != 0 ? last.x : 0, (corner & 2) != 0 ? last.y : 0,
-                      (corner & 4) != 0 ? last.z : 0};
-    const Vec3d world = worldFromIndex(layout, index);
+    const Vec3d world = worldFromIndex(layout, cornerOf({}, last, corner));
     bounds = {min(bounds.lo, world), max(bounds.hi, world)};
   }
   return bounds;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "src/base/error.h"
+#include "src/base/values/corners.h"
 #include "src/device/device.h"
 
 namespace sluice {
@@ -26,9 +27,7 @@ PictureRows rowsOf(const FrameSetup& setup, const Box3& cells) {
   const int height = setup.size.height;
   double lo = 1, hi = -1;
   for (int corner = 0; corner < 8; ++corner) {
-    const Vec3d p{static_cast<double>((corner & 1) != 0 ? cells.hi.x : cells.lo.x),
-                  static_cast<double>((corner & 2) != 0 ? cells.hi.y : cells.lo.y),
-                  static_cast<double>((corner & 4) != 0 ? cells.hi.z : cells.lo.z)};
+    const Vec3d p = toDouble(cornerOf(cells, corner));
     const auto row = [&](size_t r) {
       const auto& of = setup.clip_from_index[r];
       return of[0] * p.x + of[1] * p.y + of[2] * p.z + of[3];

@@ -22,7 +22,7 @@ bool hasNoOpacity(const TransferFunction& transfer) {
 
 // Whether all points lie beyond one and the same side of the picture, or behind the eye.
 bool isBesidePicture(const std::vector<Vec3d>& points, const View& view) {
-  const double aspect = static_cast<double>(view.size.width) / view.size.height;
+  const double aspect = view.size.aspect();
   const bool perspective = view.projection == Projection::kPerspective;
   bool left = true, right = true, above = true, below = true, behind = perspective;
   for (const Vec3d& point : points) {

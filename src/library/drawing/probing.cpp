@@ -219,7 +219,7 @@ void clip(Ray& ray, Vec3d normal, double offset) {
 Ray rayOf(const ProbeRequest& request, const VolumeLayout& layout) {
   const View& view = request.view;
   const double u = 2 * request.right - 1, v = 1 - 2 * request.down;
-  const double aspect = static_cast<double>(view.size.width) / view.size.height;
+  const double aspect = view.size.aspect();
   const Vec3d side =
       view.right * (u * aspect * view.half_height) + view.up * (v * view.half_height);
   const bool perspective = view.projection == Projection::kPerspective;

@@ -6,6 +6,7 @@
 
 #include "src/base/error.h"
 #include "src/base/looks/view_limits.h"
+#include "src/base/values/corners.h"
 #include "src/render/camera/index_space.h"
 
 namespace sluice {
@@ -26,8 +27,7 @@ Sphere sphereAround(const VolumeLayout& layout) {
   // The sphere touches all corners, so that no view of it cuts the volume off.
   Sphere sphere{worldFromIndex(layout, outer * 0.5), 0};
   for (int corner = 0; corner < 8; ++corner) {
-    const Vec3d index{(corner & 1) != 0 ? outer.x : 0, (corner & 2) != 0 ? outer.y : 0,
-                      (corner & 4) != 0 ? outer.z : 0};
+    const Vec3d index = cornerOf({}, outer, corner);
     sphere.radius = std::max(sphere.radius, length(worldFromIndex(layout, index) - sphere.center));
   }
   return sphere;
@@ -64,7 +64,7 @@ Orbit orbitOf(const Camera& camera, const VolumeLayout& layout, PictureSize size
   if (camera.framing) {
     // The framing leaves room on two sides: the target moves by shares of half the picture.
     const double half = orbit.half_height / camera.zoom * (perspective ? distance : 1);
-    const double aspect = static_cast<double>(size.width) / size.height;
+    const double aspect = size.aspect();
     orbit.target = orbit.target - axes.right * (camera.framing->right * half * aspect) -
                    axes.up * (camera.framing->up * half);
   }
@@ -141,8 +141,7 @@ View resolve(const Camera& camera, const VolumeLayout& layout, PictureSize size,
   double last_depth = -view.first_depth;
   const Vec3d outer = toDouble(layout.dims - Vec3i{1, 1, 1});
   for (int corner = 0; corner < 8; ++corner) {
-    const Vec3d index{(corner & 1) != 0 ? outer.x : 0, (corner & 2) != 0 ? outer.y : 0,
-                      (corner & 4) != 0 ? outer.z : 0};
+    const Vec3d index = cornerOf({}, outer, corner);
     const double depth = dot(worldFromIndex(layout, index) - view.eye, view.forward);
     view.first_depth = std::min(view.first_depth, depth);
     last_depth = std::max(last_depth, depth);

@@ -40,7 +40,7 @@ struct Lens {
 
 Lens lensOf(const Camera& camera, WorldFrame frame, PictureSize size, Room room) {
   Lens lens{axesOf(camera, frame)};
-  lens.tan_x = static_cast<double>(size.width) / size.height;
+  lens.tan_x = size.aspect();
   lens.perspective = camera.projection == Projection::kPerspective;
   if (lens.perspective) {
     // The field of view applies to the shorter side, as in resolve().

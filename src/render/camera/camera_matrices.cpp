@@ -13,10 +13,6 @@ void setColumn(Matrix4& m, size_t column, const View& view, Vec3d along, double 
   m[12 + column] = static_cast<float>(offset - dot(view.eye, along));
 }
 
-double aspectOf(const View& view) {
-  return static_cast<double>(view.size.width) / view.size.height;
-}
-
 }  // namespace
 
 Matrix4 cameraFromWorld(const View& view) {
@@ -29,7 +25,7 @@ Matrix4 cameraFromWorld(const View& view) {
 }
 
 Matrix4 ndcFromWorld(const View& view) {
-  const Vec3d across = view.right * (0.5 / (view.half_height * aspectOf(view)));
+  const Vec3d across = view.right * (0.5 / (view.half_height * view.size.aspect()));
   const Vec3d down = view.up * (-0.5 / view.half_height);
   Matrix4 m{};
   if (view.projection == Projection::kPerspective) {
@@ -48,7 +44,7 @@ Matrix4 ndcFromWorld(const View& view) {
 
 float screenWindowWidth(const View& view) {
   if (view.projection == Projection::kOrtho) return 1;
-  return static_cast<float>(2 * view.half_height * aspectOf(view));
+  return static_cast<float>(2 * view.half_height * view.size.aspect());
 }
 
 }  // namespace sluice

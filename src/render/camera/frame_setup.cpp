@@ -16,7 +16,7 @@ struct Frustum {
 };
 
 Frustum frustumOf(const View& view) {
-  const double aspect = static_cast<double>(view.size.width) / view.size.height;
+  const double aspect = view.size.aspect();
   return {view.right * (aspect * view.half_height), view.up * view.half_height};
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "src/base/values/corners.h"
 #include "src/render/camera/index_space.h"
 
 namespace sluice {
@@ -34,9 +35,7 @@ std::optional<double> PixelSizes::smallestPixel(const Box3& cells) const {
   // Whether all corners lie beyond the right, left, upper and lower side of the picture.
   bool right = true, left = true, above = true, below = true;
   for (int corner = 0; corner < kCorners; ++corner) {
-    Vec3d at;
-    for (int a = 0; a < 3; ++a)
-      at[a] = static_cast<double>((corner >> a & 1) != 0 ? cells.hi[a] : cells.lo[a]);
+    const Vec3d at = toDouble(cornerOf(cells, corner));
     const Vec3d from_eye = worldFromIndex(volume_, at) - view_.eye;
     const double depth = dot(from_eye, view_.forward);
     // The sides are planes through the eye, so that the test holds for corners behind it, too.

@@ -13,9 +13,7 @@ namespace sluice {
 class PixelSizes {
  public:
   PixelSizes(const VolumeLayout& volume, const View& view)
-      : volume_(volume),
-        view_(view),
-        aspect_(static_cast<double>(view.size.width) / view.size.height) {}
+      : volume_(volume), view_(view), aspect_(view.size.aspect()) {}
 
   // Pixels that the widest axis of the level's voxels is long, seen from the side, where these
   // finest cells are nearest to the eye; 0 if the picture shows none of them, infinite around the

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "src/base/error.h"
+#include "src/base/values/corners.h"
 
 namespace sluice {
 namespace {
@@ -25,12 +26,6 @@ float limitOf(const EstimateView& view, const EstimateOptions& options) {
   const double depth = -std::log1p(-options.opacity_threshold);
   // A perspective view's slices are further apart away from the middle: it accumulates more.
   return static_cast<float>(depth * (1 + kSumDoubt) / view.slice_length);
-}
-
-Vec3d corner(const Box3& cells, int i) {
-  return {static_cast<double>((i & 1) != 0 ? cells.hi.x : cells.lo.x),
-          static_cast<double>((i & 2) != 0 ? cells.hi.y : cells.lo.y),
-          static_cast<double>((i & 4) != 0 ? cells.hi.z : cells.lo.z)};
 }
 
 double along(const std::array<double, 4>& row, Vec3d p) {
@@ -87,7 +82,7 @@ bool VisibilityEstimate::isShown(const Box3& cells) const {
     if (!shown.contains(cells)) return false;
   for (const ClipPlane& plane : options_.clip_planes)
     for (int i = 0; i < 8; ++i)
-      if (dot(plane.normal, corner(cells, i)) > plane.offset) return false;
+      if (dot(plane.normal, toDouble(cornerOf(cells, i))) > plane.offset) return false;
   return true;
 }
 
@@ -114,7 +109,7 @@ VisibilityEstimate::Rect VisibilityEstimate::footprintOf(const Box3& cells) cons
   }
   double x0 = 1e9, y0 = 1e9, x1 = -1e9, y1 = -1e9;
   for (int i = 0; i < 8; ++i) {
-    const Vec3d at = corner(cells, i);
+    const Vec3d at = toDouble(cornerOf(cells, i));
     const double w = along(view_.clip_from_index[2], at);
     if (!(w > 1e-6 * view_.depth_step)) return all;  // at the side of the eye, or behind it
     const double x = along(pixel_from_index_[0], at) / w + 0.5 * all.x1;
@@ -165,7 +160,7 @@ void VisibilityEstimate::placeDirections(int64_t block, Place& place) const {
     // Cells of the axis from slice to slice: over a box its extremes are at the corners.
     double least = std::numeric_limits<double>::infinity(), most = -least;
     for (int i = 0; i < 8; ++i) {
-      const Vec3d at = corner(cells, i);
+      const Vec3d at = toDouble(cornerOf(cells, i));
       const double depth = along(view_.clip_from_index[2], at);
       const double step = depth > 0 ? (at[axis] - view_.eye[axis]) / depth * view_.depth_step : 0;
       least = std::min(least, step);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "io/files/length_unit.h"
+#include "src/base/values/corners.h"
 #include "src/render/camera/frame_setup.h"
 #include "src/render/camera/index_space.h"
 
@@ -26,9 +27,7 @@ std::array<Vec3d, 8> cornersOf(const Box3& box) {
   const Vec3i outer = box.hi - Vec3i{1, 1, 1};
   std::array<Vec3d, 8> corners;
   for (size_t i = 0; i < corners.size(); ++i)
-    corners[i] =
-        toDouble(Vec3i{(i & 1) != 0 ? outer.x : box.lo.x, (i & 2) != 0 ? outer.y : box.lo.y,
-                       (i & 4) != 0 ? outer.z : box.lo.z});
+    corners[i] = toDouble(cornerOf(box.lo, outer, static_cast<int>(i)));
   return corners;
 }
 
