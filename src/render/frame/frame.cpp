@@ -70,7 +70,7 @@ PixelRays Session::setSampling(const LookPtr& look, const VisibleBlocks& visible
 
 FrameSetup Session::setupOf(const Look& look, const View& view, const FrameOptions& options) const {
   FrameSetup setup = frameSetup(view, step_.source->layout(), look, step_.ranges->map, options,
-                                session_.lit && options.shades);
+                                opened_with_.lit && options.shades);
   setup.has_surfaces = Planner::drawsSurfaces(step_, look, options);
   setup.integrates = Planner::integrates(step_, look, view, options);
   return setup;

@@ -50,11 +50,12 @@ BufferNeeds needsOf(const TimeStep& step, Partition partition, uint64_t beside_b
   return needs;
 }
 
-Residency::Residency(const TimeStep& step, Device& device, const ResidencyOptions& options)
+Residency::Residency(const TimeStep& step, Device& device, const ResidencyOptions& options,
+                     int threads, int64_t first_name)
     : device_(device),
       budgets_(shareMemory(options.memory_bytes, options.page, device.limits().texels,
                            needsOf(step, options.partition, options.beside_bytes),
-                           readsAtOnce(*step.source, options.threads))),
+                           readsAtOnce(*step.source, threads))),
       blocks_(bufferLevels(step), budgets_.volume_buffer, VolumeBuffer::Cold::kPacked),
       // A pool counts the calling thread, which only waits or helps: the readers are in addition to
       // it.
@@ -63,7 +64,7 @@ Residency::Residency(const TimeStep& step, Device& device, const ResidencyOption
       cache_(static_cast<uint64_t>(options.page.pages),
              static_cast<uint64_t>(options.page.pageBytes()),
              makePolicy(options.policy, static_cast<uint64_t>(options.page.pages), options.seed)),
-      names_(options.first_name),
+      names_(first_name),
       first_id_(device.takeIdRange()) {
   SLUICE_CHECK_EQ(options.page.bytes_per_voxel,
                   static_cast<int64_t>(bytesPerVoxel(blocks_.type())));

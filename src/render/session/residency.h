@@ -29,9 +29,7 @@ struct ResidencyOptions {
   PolicyKind policy = PolicyKind::kLru;
   uint64_t seed = 1;                         // for the random policy
   Partition partition = Partition::kBlocks;  // kBoxes: a share of the memory is for growing boxes
-  int threads = 1;            // threads of the program; there are at least as many readers
   uint64_t beside_bytes = 0;  // part of memory_bytes that others hold: min-max arrays
-  int64_t first_name = 0;     // name of the first chunk
 };
 
 // The needs of a residency that serves all steps like this one, see shareMemory().
@@ -40,8 +38,10 @@ BufferNeeds needsOf(const TimeStep& step, Partition partition, uint64_t beside_b
 class Residency {
  public:
   // Serves all time steps that have the sources and layouts of `step`. These sources and `device`
-  // must outlive it. Throws Error when the memory is too little.
-  Residency(const TimeStep& step, Device& device, const ResidencyOptions& options);
+  // must outlive it. `threads`: of the program; there are at least as many readers. `first_name`:
+  // of the first chunk. Throws Error when the memory is too little.
+  Residency(const TimeStep& step, Device& device, const ResidencyOptions& options, int threads,
+            int64_t first_name);
   // The device outlives us: it is left without our chunks.
   ~Residency();
   Residency(const Residency&) = delete;

@@ -29,17 +29,14 @@ Session::Session(const TimeStep& step, Device& device, WorkerPool& pool,
                  const SessionOptions& options)
     : device_(device),
       pool_(pool),
-      session_(options),
+      opened_with_(options),
       stale_check_(std::make_unique<StaleCheck>(step.source->layout().calledBy())),
       spreads_(std::make_unique<SpreadTally>()),
       lost_(std::make_unique<LostTally>()),
       learnt_(step.ranges->unknown.empty()
                   ? nullptr
                   : std::make_unique<LearntRanges>(step.time, step.ranges)),
-      residency_(
-          step, device,
-          {options.page, options.memory_bytes, options.policy, options.seed, options.partition,
-           pool.threads(), options.beside_bytes, options.trace_from.chunk}),
+      residency_(step, device, options, pool.threads(), options.trace_from.chunk),
       planner_(options.page, pool, residency_.names()),
       step_(step),
       frame_number_(options.trace_from.frame) {
@@ -219,11 +216,11 @@ FrameReport Session::frameReport() {
 
 ChosenBoxesPtr Session::boxesOf(const LookPtr& look, const FramePlanPtr& plan) {
   if (options_.partition == Partition::kBlocks) return nullptr;
-  SLUICE_CHECK(session_.partition == Partition::kBoxes);
+  SLUICE_CHECK(opened_with_.partition == Partition::kBoxes);
   const Budgets& budgets = residency_.budgets();
   // Half of the boxes' budget is for trees of all boxes, half for the boxes chosen from them.
   const auto store = box_store_.of(step_, [&] {
-    return std::make_shared<BoxStore>(*step_.source, session_.index_places, step_.time,
+    return std::make_shared<BoxStore>(*step_.source, opened_with_.index_places, step_.time,
                                       *step_.ranges, residency_.readers(), budgets.boxes / 2,
                                       budgets.growing, residency_.readPast());
   });

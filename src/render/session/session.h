@@ -21,6 +21,7 @@
 #include "src/render/frame/frame_run.h"
 #include "src/render/light/arriving_light.h"
 #include "src/render/session/planner.h"
+#include "src/render/session/residency.h"
 #include "src/volume/ranges/learnt_ranges.h"
 
 namespace sluice {
@@ -30,17 +31,11 @@ struct TraceNumbers {
   int64_t frame = 0, chunk = 0;
 };
 
-struct SessionOptions {
-  PageGeometry page;          // bytes_per_voxel of the volume's device form
-  uint64_t memory_bytes = 0;  // budget of levels 2 and 3, and of level 4 if textures are in memory
-  PolicyKind policy = PolicyKind::kLru;
-  uint64_t seed = 1;  // for the random policy
-  bool lit = false;   // frames are shaded; the layout has a ghost layer
-  // kBoxes: frames may draw growing boxes, and a share of the memory is theirs. They are kept with
-  // the volume's index, in these places.
-  Partition partition = Partition::kBlocks;
+struct SessionOptions : ResidencyOptions {
+  bool lit = false;  // frames are shaded; the layout has a ghost layer
+  // With Partition::kBoxes, frames may draw growing boxes. They are kept with the volume's index,
+  // in these places.
   IndexPlaces index_places;
-  uint64_t beside_bytes = 0;  // part of memory_bytes that the caller holds: min-max arrays
   // Where a trace goes on that an earlier session recorded. Chunks get new names, since nothing is
   // resident any more.
   TraceNumbers trace_from;
@@ -132,7 +127,7 @@ class Session {
   CacheCounters volumeBufferCounters() const { return residency_.blocks().counters(); }
   CacheCounters textureBufferCounters() const { return residency_.chunks().counters(); }
   const TextureCache& textureCache() const { return residency_.cache(); }
-  const PageGeometry& page() const { return session_.page; }
+  const PageGeometry& page() const { return opened_with_.page; }
 
  private:
   // The ranges of the step's finest level with those that pictures have learnt.
@@ -199,7 +194,7 @@ class Session {
 
   Device& device_;
   WorkerPool& pool_;
-  const SessionOptions session_;
+  const SessionOptions opened_with_;
   Memo<TimeStep, BoxStore> box_store_;
   const std::unique_ptr<StaleCheck> stale_check_;  // checks the blocks that residency_ reads
   const std::unique_ptr<SpreadTally> spreads_;     // notes their spreads

@@ -33,8 +33,8 @@ Session::Parts Session::parts(std::span<Session* const> sessions) {
         Planner::question(step, look, view, options, limits[i] ? &*limits[i] : nullptr));
     SLUICE_CHECK_EQ(questions[i].cut.has_value(), questions.front().cut.has_value());
     result.of_sessions.push_back({&session, step, look, nullptr, nullptr, options,
-                                  session.session_.lit && options.shades, session.lessons_.draw_s,
-                                  session.trace_, session.frame_number_});
+                                  session.opened_with_.lit && options.shades,
+                                  session.lessons_.draw_s, session.trace_, session.frame_number_});
   }
   const std::vector<VisibleBlocksPtr> visible = Planner::visibleTogether(planners, questions);
   // All channels are sampled at the same depths, so that the finest step of any applies to all.
