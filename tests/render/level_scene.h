@@ -63,7 +63,8 @@ class LevelCutTest : public RenderTest {
     Planner planner({{8, 8, 8}, 1, 1 << 12}, pool, names);
     const auto shared = std::make_shared<const TransferFunction>(transfer);
     const LookPtr look = planner.look(pyramid.step, shared, options.mode);
-    return planner.visibleBlocks(pyramid.step, look, viewOf(pyramid, options), options, limit);
+    return planner.visibleBlocks(
+        Planner::question(pyramid.step, look, viewOf(pyramid, options), options, limit));
   }
   static View viewOf(const Pyramid& pyramid, const FrameOptions& options) {
     return resolve(options, pyramid.source.layout());

@@ -176,7 +176,8 @@ class CutRun {
     const LookPtr look = planner_.look(step_, transfer_, options_.mode);
     const double processor_before = processorSeconds();
     const Stopwatch watch;
-    const VisibleBlocksPtr blocks = planner_.visibleBlocks(step_, look, view, options_);
+    const VisibleBlocksPtr blocks =
+        planner_.visibleBlocks(Planner::question(step_, look, view, options_));
     into.choose.push_back(watch.seconds());
     planner_.plan(step_, blocks, options_);
     into.seconds.push_back(watch.seconds());

@@ -77,7 +77,8 @@ void addCuts(const Scene& scene, const Layer& layer, std::span<const Camera> cam
     options.camera = camera;
     const FrameOptions own = scene.optionsOf(layer, options);
     const View view = resolve(own, step.source->layout());
-    for (const ObjectBlock& block : planner.visibleBlocks(step, look, view, own)->blocks) {
+    for (const ObjectBlock& block :
+         planner.visibleBlocks(Planner::question(step, look, view, own))->blocks) {
       digest.add(block.name.level);
       digest.add(block.name.block);
       for (int a = 0; a < 3; ++a) {

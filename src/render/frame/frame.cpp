@@ -42,8 +42,9 @@ VisibleBlocksPtr Session::blocksOf(const LookPtr& look, FrameOptions& options, R
     lost_->askNothing();
   }
   const View view = resolve(options, step_.source->layout());
-  VisibleBlocksPtr visible =
-      planner_.visibleBlocks(step_, look, view, options, limit ? &*limit : nullptr, loses_surface);
+  BlockQuestion question = Planner::question(step_, look, view, options, limit ? &*limit : nullptr);
+  question.loses_surface = std::move(loses_surface);
+  VisibleBlocksPtr visible = planner_.visibleBlocks(question);
   if (judges_surfaces) lost_->expect(visible);
   return visible;
 }

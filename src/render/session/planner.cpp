@@ -56,14 +56,6 @@ BlockChooser& Planner::chooserFor(const BlockQuestion& question) {
   return classified_;
 }
 
-VisibleBlocksPtr Planner::visibleBlocks(
-    const TimeStep& step, const LookPtr& look, const View& view, const FrameOptions& options,
-    const ReadLimit* limit, const std::function<bool(const ObjectBlock&)>& loses_surface) {
-  BlockQuestion asked = question(step, look, view, options, limit);
-  asked.loses_surface = loses_surface;
-  return chooserFor(asked).choose(asked);
-}
-
 std::vector<VisibleBlocksPtr> Planner::visibleTogether(std::span<Planner* const> planners,
                                                        std::span<const BlockQuestion> questions) {
   std::vector<BlockChooser*> choosers;
@@ -106,7 +98,7 @@ FramePlanPtr Planner::planFor(const TimeStep& step, const TransferPtr& transfer,
                               const FrameOptions& options) {
   const View view = resolve(options, step.source->layout());
   const LookPtr shown = look(step, transfer, options.mode);
-  return plan(step, visibleBlocks(step, shown, view, options), options);
+  return plan(step, visibleBlocks(question(step, shown, view, options)), options);
 }
 
 DrawOrderPtr Planner::order(const FramePlanPtr& plan, const EyePosition& eye,

@@ -8,7 +8,6 @@
 // all threads of the pool.
 #pragma once
 
-#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -58,12 +57,11 @@ class Planner {
   // level that is drawn, in units of the volume's voxels along each axis.
   static double stepForSurfaces(const View& view, const VolumeLayout& layout, double step_vox,
                                 Vec3d voxel = {1, 1, 1});
-  // `limit` and `loses_surface`, see BlockQuestion, apply to such a cut alone; null: none.
-  VisibleBlocksPtr visibleBlocks(
-      const TimeStep& step, const LookPtr& look, const View& view, const FrameOptions& options,
-      const ReadLimit* limit = nullptr,
-      const std::function<bool(const ObjectBlock&)>& loses_surface = nullptr);
-  // The question that visibleBlocks() asks its chooser. `limit` must outlive it.
+  // The chooser's answer. The question's `limit` and `loses_surface` apply to such a cut alone.
+  VisibleBlocksPtr visibleBlocks(const BlockQuestion& question) {
+    return chooserFor(question).choose(question);
+  }
+  // The question for visibleBlocks(), without `loses_surface`. `limit` must outlive it.
   static BlockQuestion question(const TimeStep& step, const LookPtr& look, const View& view,
                                 const FrameOptions& options, const ReadLimit* limit = nullptr);
   // The answers of several planners' choosers to a question each. If all of them make a cut, it is

@@ -103,7 +103,8 @@ std::optional<FrameReport> Session::withoutBlocks() {
   takeLearntRanges();
   const LookPtr look = planner_.look(step_, transfer_, options_.mode);
   const View view = resolve(options_, step_.source->layout());
-  const VisibleBlocksPtr visible = planner_.visibleBlocks(step_, look, view, options_);
+  const VisibleBlocksPtr visible =
+      planner_.visibleBlocks(Planner::question(step_, look, view, options_));
   if (!visible->blocks.empty()) return std::nullopt;
   visible_ = visible;
   FrameReport report = reportWithoutBlocks(*visible, options_.step_vox);
@@ -116,7 +117,8 @@ void Session::readAfterwards(const TimeStep& next) {
   const View view = resolve(options_, volume);
   // The planner keeps these for the frame that will ask for the same.
   const LookPtr look = planner_.look(next, transfer_, options_.mode);
-  const VisibleBlocksPtr visible = planner_.visibleBlocks(next, look, view, options_);
+  const VisibleBlocksPtr visible =
+      planner_.visibleBlocks(Planner::question(next, look, view, options_));
   const FramePlanPtr plan = planner_.plan(next, visible, options_);
   const DrawOrderPtr order = planner_.order(plan, eyePosition(view, volume), Arrangement::kRows);
   read_afterwards_ = std::make_unique<ReadAhead>(

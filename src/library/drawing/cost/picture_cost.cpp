@@ -158,7 +158,8 @@ PlannedBlocks plannedBlocks(const PlannedPart& part, BlockChooser* chooser, Work
   planner.chooseBlocksBy(chooser);
   Stopwatch watch;
   PlannedBlocks planned = withLook(part, planner);
-  planned.blocks = planner.visibleBlocks(planned.step, planned.look, planned.view, part.frame);
+  planned.blocks = planner.visibleBlocks(
+      Planner::question(planned.step, planned.look, planned.view, part.frame));
   planned.seconds = watch.lap();
   return planned;
 }

@@ -22,7 +22,8 @@ int finestLevelOf(const Scene& scene, const Layer& layer, const TimeStep& step, 
   Planner planner(layer.page, scene.pool, names);
   const LookPtr look =
       planner.look(step, std::make_shared<const TransferFunction>(transfer), options.mode);
-  const VisibleBlocksPtr blocks = planner.visibleBlocks(step, look, view, options);
+  const VisibleBlocksPtr blocks =
+      planner.visibleBlocks(Planner::question(step, look, view, options));
   return finestLevelDrawn(*blocks);
 }
 
