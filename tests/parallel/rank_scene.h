@@ -43,7 +43,7 @@ inline FloatPicture drawOnRanks(int ranks, VolumeSource& source, const TransferF
     scene.session().chooseBlocksBy(&mine);
     for (int i = 0; i < frames; ++i) {
       const Frame frame = scene.frame(options);
-      blocks += frame.report.grey + frame.report.black;
+      blocks += frame.report.blocks.grey + frame.report.blocks.black;
       if (seen) seen(frame.report);
       CompositingReport report;
       Picture picture =

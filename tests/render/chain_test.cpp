@@ -55,7 +55,7 @@ TEST(ChainTest, anotherDevice) {
     RenderScene scene(device, *source, someTransfer(), {.block_vox = 8});
     const Frame frame = scene.frame(smallView());
     EXPECT_EQ(frame.picture.rgba.front(),
-              static_cast<float>(frame.report.grey + frame.report.black));
+              static_cast<float>(frame.report.blocks.grey + frame.report.blocks.black));
     EXPECT_EQ(device.held_.size(), static_cast<size_t>(frame.report.chunks));
     EXPECT_EQ(frame.report.uploaded_bytes, 0U);
   }

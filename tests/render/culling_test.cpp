@@ -212,7 +212,8 @@ TEST(Culling, pictureDiffersByWhatOpaqueLeaves) {
         scene.session().chooseBlocksBy(&culled);
         const Frame frame = scene.frame(options);
         if (which == 0) {
-          EXPECT_LT(frame.report.grey + frame.report.black, all.report.grey + all.report.black);
+          EXPECT_LT(frame.report.blocks.grey + frame.report.blocks.black,
+                    all.report.blocks.grey + all.report.blocks.black);
         }
         float most = 0;
         for (size_t i = 0; i < all.picture.rgba.size(); ++i)
@@ -246,7 +247,8 @@ TEST(Culling, whatIsCutAwayHidesNothing) {
     drawn.session().chooseBlocksBy(&culled);
     const Frame frame = drawn.frame(options);
     drawn.session().chooseBlocksBy(nullptr);
-    EXPECT_LT(frame.report.grey + frame.report.black, all.report.grey + all.report.black);
+    EXPECT_LT(frame.report.blocks.grey + frame.report.blocks.black,
+              all.report.blocks.grey + all.report.blocks.black);
     float most = 0;
     for (size_t k = 0; k < all.picture.rgba.size(); ++k)
       most = std::max(most, std::abs(all.picture.rgba[k] - frame.picture.rgba[k]));
@@ -276,7 +278,7 @@ TEST(Culling, theNextStepIsReadWhileOneIsDrawn) {
   session.setTimeStep(next.step);
   const uint64_t requests = session.textureBufferCounters().requests;
   const Frame frame = session.frame();
-  EXPECT_EQ(frame.report.grey + frame.report.black, second.blocks_visible);
+  EXPECT_EQ(frame.report.blocks.grey + frame.report.blocks.black, second.blocks_visible);
   EXPECT_GT(session.textureBufferCounters().requests, requests);
   // Each visible block of both steps was loaded once at the most, whoever asked for it.
   EXPECT_LE(session.volumeBufferCounters().loads,

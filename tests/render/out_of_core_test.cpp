@@ -124,8 +124,8 @@ TEST_F(OutOfCoreTest, whiteBlocksAreNeverRead) {
   const SliceRanges ranges = rangesOf(*source, 16);
   const auto session = sessionOf(counting, ranges);
   const FrameReport report = session->frame().report;
-  EXPECT_GT(report.white, 0);
-  EXPECT_EQ(counting.reads().size(), static_cast<size_t>(report.grey + report.black));
+  EXPECT_GT(report.blocks.white, 0);
+  EXPECT_EQ(counting.reads().size(), static_cast<size_t>(report.blocks.grey + report.blocks.black));
   EXPECT_EQ(static_cast<uint64_t>(counting.counts().bytes), report.decoded_bytes);
   EXPECT_EQ(report.decoded_bytes, report.rebuild.decoded);
   EXPECT_EQ(report.copied_bytes, report.rebuild.copied);
@@ -178,8 +178,9 @@ TEST_F(OutOfCoreTest, aChangedThresholdCopiesTheChangedChunksAndReadsTheNewBlock
       EXPECT_EQ(counting.reads().size(), static_cast<size_t>(fresh));
       EXPECT_EQ(report.before.white, before.white);
       EXPECT_EQ(report.before.black, before.black);
-      before = {report.white, report.grey, report.black};
-      EXPECT_EQ(report.white + report.grey + report.black, ranges.layout.blockCount());
+      before = report.blocks;
+      EXPECT_EQ(report.blocks.white + report.blocks.grey + report.blocks.black,
+                ranges.layout.blockCount());
     }
   }
 }
@@ -240,7 +241,8 @@ TEST_F(OutOfCoreTest, whatAChangedThresholdMakesUselessIsNotRead) {
   stalled.release();
   EXPECT_EQ(session->frame().report.missing_share, 0);
   // Only the runs under way when the change came were read: one per reader.
-  EXPECT_LT(counting.reads().size(), static_cast<size_t>(limited.grey + limited.black) / 2);
+  EXPECT_LT(counting.reads().size(),
+            static_cast<size_t>(limited.blocks.grey + limited.blocks.black) / 2);
 }
 
 TEST_F(OutOfCoreTest, aReadThatStallsIsWaitedFor) {

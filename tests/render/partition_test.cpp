@@ -152,7 +152,7 @@ TEST_F(PartitionTest, reportCountsBoxesAndFewerSamples) {
   options.count_samples = true;
   options.algorithm = Algorithm::kTrimmed;
   const FrameReport blocks = scene.frame(options).report;
-  EXPECT_EQ(blocks.boxes_drawn, blocks.grey + blocks.black);
+  EXPECT_EQ(blocks.boxes_drawn, blocks.blocks.grey + blocks.blocks.black);
   EXPECT_EQ(blocks.samples_drawn, blocks.samples_object);
   options.partition = Partition::kBoxes;
   const FrameReport boxes = scene.frame(options).report;
@@ -171,7 +171,7 @@ TEST_F(PartitionTest, aTimeLimitMakesNoBoxes) {
   options.partition = Partition::kBoxes;
   options.time_limit_s = 100;
   const Frame limited = scene.frame(options);
-  EXPECT_EQ(limited.report.boxes_drawn, limited.report.grey + limited.report.black);
+  EXPECT_EQ(limited.report.boxes_drawn, limited.report.blocks.grey + limited.report.blocks.black);
   options.time_limit_s.reset();
   EXPECT_TRUE(within(kOfBlocks, scene.draw(options), expected));
 }

@@ -101,9 +101,9 @@ TEST_F(SessionTest, reportCountsBlocksChunksAndPages) {
   FrameOptions options = smallView();
   options.algorithm = Algorithm::kTrimmed;
   FrameReport report = scene.frame(options).report;
-  EXPECT_EQ(report.white, 7);
-  EXPECT_EQ(report.grey, 1);
-  EXPECT_EQ(report.black, 0);
+  EXPECT_EQ(report.blocks.white, 7);
+  EXPECT_EQ(report.blocks.grey, 1);
+  EXPECT_EQ(report.blocks.black, 0);
   EXPECT_EQ(report.clusters, 1);
   EXPECT_EQ(report.chunks, 1);
   EXPECT_EQ(report.pages, 3) << "two cells, three planes of a page each";

@@ -65,7 +65,7 @@ class UniformCubeTest : public RenderTest {
                         {.block_vox = lit ? size * 2 : size, .lit = lit});
       const Frame frame = scene.frame(options);
       if (!lit) {
-        EXPECT_EQ(frame.report.black, count);
+        EXPECT_EQ(frame.report.blocks.black, count);
       }
       pictures.push_back(scene.draw(options));
     }

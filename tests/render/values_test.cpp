@@ -128,7 +128,7 @@ TEST_F(ValuesTest, nothingVisibleGivesAnEmptyPictureAtNoCost) {
   RenderScene scene(device(), *source, {{{0, {1, 1, 1}}}, {{0, 0}}, "nothing"});
   const Frame frame = scene.frame(obliqueView(Projection::kOrtho));
   EXPECT_EQ(frame.report.uploaded_bytes, 0U);
-  EXPECT_EQ(frame.report.grey + frame.report.black, 0);
+  EXPECT_EQ(frame.report.blocks.grey + frame.report.blocks.black, 0);
   for (const float v : frame.picture.rgba) ASSERT_EQ(v, 0);
 }
 

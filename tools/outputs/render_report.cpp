@@ -150,8 +150,8 @@ void printDrawn(const RenderArguments& arguments, const Scene& scene, const Seri
   const FrameReport& report = frames.back().report;
   const VolumeLayout& layout = storedLayout(*scene.volume.source);
   say("{} x {} x {} {}, {}: {} white, {} grey, {} black blocks{}\n", layout.dims.x, layout.dims.y,
-      layout.dims.z, name(layout.type), scene.look.transfer.name, report.white, report.grey,
-      report.black, scene.share ? " of rank 0" : "");
+      layout.dims.z, name(layout.type), scene.look.transfer.name, report.blocks.white,
+      report.blocks.grey, report.blocks.black, scene.share ? " of rank 0" : "");
   say("look: {}\n", scene.drawn_look);
   if (!scene.more.empty()) say("{}\n", channelsLine(scene));
   if (isCoarser(*drawn.blocks)) say("{}\n", cutLine(*report.cut));

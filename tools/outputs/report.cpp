@@ -35,15 +35,17 @@ json channelsJson(const std::vector<LayerFrame>& layers) {
   json channels = json::array();
   for (const LayerFrame& layer : layers) {
     const FrameReport& report = layer.report;
-    channels.push_back(
-        {{"seconds", report.seconds},
-         {"samples_drawn", report.samples_drawn},
-         {"samples_taken", report.samples_taken},
-         {"chunks", report.chunks},
-         {"pages_loaded", report.pages_loaded},
-         {"decoded_bytes", report.decoded_bytes},
-         {"blocks", {{"white", report.white}, {"grey", report.grey}, {"black", report.black}}},
-         {"empty", !layer.shows_something}});
+    channels.push_back({{"seconds", report.seconds},
+                        {"samples_drawn", report.samples_drawn},
+                        {"samples_taken", report.samples_taken},
+                        {"chunks", report.chunks},
+                        {"pages_loaded", report.pages_loaded},
+                        {"decoded_bytes", report.decoded_bytes},
+                        {"blocks",
+                         {{"white", report.blocks.white},
+                          {"grey", report.blocks.grey},
+                          {"black", report.blocks.black}}},
+                        {"empty", !layer.shows_something}});
     if (report.cut) channels.back()["cut"] = cutJson(*report.cut);
   }
   return channels;
@@ -77,7 +79,10 @@ json plainFrameJson(const RenderedFrame& frame) {
            {{"decoded_bytes", report.rebuild.decoded},
             {"copied_bytes", report.rebuild.copied},
             {"uploaded_bytes", report.rebuild.uploaded}}},
-          {"blocks", {{"white", report.white}, {"grey", report.grey}, {"black", report.black}}},
+          {"blocks",
+           {{"white", report.blocks.white},
+            {"grey", report.blocks.grey},
+            {"black", report.blocks.black}}},
           {"blocks_before",
            {{"white", report.before.white},
             {"grey", report.before.grey},
@@ -287,7 +292,8 @@ json sceneJson(const Scene& scene, const std::vector<RenderedFrame>& frames) {
   report["frames"] = json::array();
   for (const RenderedFrame& frame : frames) report["frames"].push_back(frameJson(frame));
   const FrameReport& last = frames.back().report;
-  report["blocks"] = {{"white", last.white}, {"grey", last.grey}, {"black", last.black}};
+  report["blocks"] = {
+      {"white", last.blocks.white}, {"grey", last.blocks.grey}, {"black", last.blocks.black}};
   report["transfer"] = scene.look.transfer.name;
   report["look"] = lookJson(scene.look);
   report["look"]["options"] = scene.drawn_look;

@@ -82,9 +82,9 @@ RenderReport Drawing::report(bool maps) const {
   report.step_vox = report_.step_vox;
   report.why_empty = why_empty_;
   report.empty_channels = empty_channels_;
-  report.white = report_.white;
-  report.grey = report_.grey;
-  report.black = report_.black;
+  report.white = report_.blocks.white;
+  report.grey = report_.blocks.grey;
+  report.black = report_.blocks.black;
   if (report_.cut) {
     report.coarse_share = report_.cut->coarse_share;
     report.is_refined = report_.cut->is_final;

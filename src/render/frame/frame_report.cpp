@@ -29,6 +29,20 @@ void add(OcclusionReport& sum, const OcclusionReport& more) {
 
 }  // namespace
 
+MovedBytes& MovedBytes::operator+=(const MovedBytes& more) {
+  decoded += more.decoded;
+  copied += more.copied;
+  uploaded += more.uploaded;
+  return *this;
+}
+
+BlockClasses& BlockClasses::operator+=(const BlockClasses& more) {
+  white += more.white;
+  grey += more.grey;
+  black += more.black;
+  return *this;
+}
+
 void addStrip(FrameReport& sum, const FrameReport& more) {
   sum.seconds += more.seconds;
   add(sum.stages, more.stages);
@@ -50,18 +64,12 @@ void addLayer(FrameReport& sum, const FrameReport& layer) {
   std::optional<CutSummary> cut = sum.cut;
   addStrip(sum, layer);
   sum.step_vox = std::min(sum.step_vox, layer.step_vox);
-  sum.white += layer.white;
-  sum.grey += layer.grey;
-  sum.black += layer.black;
-  sum.before.white += layer.before.white;
-  sum.before.grey += layer.before.grey;
-  sum.before.black += layer.before.black;
+  sum.blocks += layer.blocks;
+  sum.before += layer.before;
   sum.clusters += layer.clusters;
   sum.chunks += layer.chunks;
   sum.pages += layer.pages;
-  sum.rebuild.decoded += layer.rebuild.decoded;
-  sum.rebuild.copied += layer.rebuild.copied;
-  sum.rebuild.uploaded += layer.rebuild.uploaded;
+  sum.rebuild += layer.rebuild;
   if (!cut) return;
   // Levels are those of the first volume; the rest holds for all.
   if (layer.cut) {

@@ -23,10 +23,14 @@ struct StageSeconds {
 // See the fields of the same names in FrameReport.
 struct MovedBytes {
   uint64_t decoded = 0, copied = 0, uploaded = 0;
+
+  MovedBytes& operator+=(const MovedBytes& more);
 };
 
 struct BlockClasses {
   int64_t white = 0, grey = 0, black = 0;
+
+  BlockClasses& operator+=(const BlockClasses& more);
 };
 
 struct FrameReport {
@@ -40,7 +44,7 @@ struct FrameReport {
   Vec3i light_texels{0, 0, 0};  // of the light volume; 0: all light arrives everywhere
   uint64_t samples_object = 0;  // samples inside object boxes, whether drawn or not
   int64_t boxes_drawn = 0;      // handed to the device
-  int64_t white = 0, grey = 0, black = 0;
+  BlockClasses blocks;
   BlockClasses before;                          // classes of the last frame; all 0 for the first
   int64_t clusters = 0, chunks = 0, pages = 0;  // counts of the plan
   // The work of this frame.

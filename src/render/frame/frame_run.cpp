@@ -233,7 +233,7 @@ void FrameRun::countSamples() {
 
 FrameLessons FrameRun::lessons() {
   FrameLessons next;
-  next.blocks = {report_.white, report_.grey, report_.black};
+  next.blocks = report_.blocks;
   next.draw_s = report_.stages.draw;
   next.occlusion = options_.occlusion;
   next.updates = updates_;

@@ -45,7 +45,7 @@ void loadChunks(const ReadAhead::Taken& taken, const FramePlan& plan, ReadAhead&
 FrameReport reportWithoutBlocks(const VisibleBlocks& visible, double step_vox) {
   FrameReport report;
   report.step_vox = step_vox;
-  report.white = visible.white;
+  report.blocks.white = visible.white;
   report.cut = visible.cut;
   return report;
 }
@@ -57,9 +57,7 @@ void addCounts(const VisibleBlocks& visible, const FramePlan& plan, const ReadTa
   report.stages.read = secondsOf(tally.read_ns);
   report.stages.decode = secondsOf(tally.decode_ns);
   report.stages.copy = secondsOf(tally.copy_ns);
-  report.white = visible.white;
-  report.grey = visible.grey;
-  report.black = visible.black;
+  report.blocks = {visible.white, visible.grey, visible.black};
   report.cut = visible.cut;
   report.clusters = static_cast<int64_t>(plan.textures.clusters.size());
   report.chunks = static_cast<int64_t>(plan.textures.chunks.size());
