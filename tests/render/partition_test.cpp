@@ -131,10 +131,9 @@ TEST_F(PartitionTest, aNewTransferFunctionReadsNoVoxelForTheBoxes) {
 TEST_F(PartitionTest, aSmallBudgetGivesTheSamePicture) {
   const auto source = spacedBlobs();
   const PageGeometry page{{8, 8, 8}, 1, 64};
-  const uint64_t least =
-      textureMemoryBytes(page, TexelPlace::kInMemory) +
-      leastBufferBytes(page, bufferNeeds(*source, blockLayout(source->layout().dims, 16, 0, ""),
-                                         Partition::kBoxes, 0));
+  const RenderScene roomy(device(), *source, someTransfer(), {.block_vox = 16});
+  const uint64_t least = textureMemoryBytes(page, TexelPlace::kInMemory) +
+                         leastBufferBytes(page, needsOf(roomy.step(), Partition::kBoxes, 0));
   for (const uint64_t more : {0, 1000, 50'000, 1'000'000}) {
     RenderScene scene(device(), *source, someTransfer(),
                       {.block_vox = 16,

@@ -209,6 +209,20 @@ TEST(Plan, ofLevelsNamesTheLeastMemoryThatRenderWorksWith) {
   }
 }
 
+// The levels that sluice makes are stored in chunks, which are decoded whole. Voxels of a raw file
+// are not.
+TEST(Plan, countsDecodedChunksOfCoarserLevelsInTheLeastMemory) {
+  const Program program;
+  ASSERT_EQ(program.run("synth shells -o v_90x80x70_uint8.raw --dims 90,80,70").status, 0);
+  const std::string line =
+      "v_90x80x70_uint8.raw --levels always --block 16 --device cpu --pages 64 --threshold 90 "
+      "--size 128 --memory ";
+  const auto plan = program.json("plan " + line + "64M");
+  const auto least = plan["memory"]["least_bytes"].get<uint64_t>();
+  EXPECT_EQ(program.run("render --force -o a.png " + line + std::to_string(least)).status, 0);
+  EXPECT_EQ(program.run("render --force -o a.png " + line + std::to_string(least - 1)).status, 1);
+}
+
 TEST(Plan, refusesWhatRenderRefuses) {
   const Program program;
   for (const char* options :

@@ -253,9 +253,8 @@ nlohmann::json outOfCoreChanges(const ThresholdRun& bench) {
   const DeviceLimits limits = bench.scene.device->limits();
   const PageGeometry& page = bench.scene.page;
   const uint64_t textures = textureMemoryBytes(page, limits.texels);
-  const BufferNeeds needs =
-      bufferNeeds(*bench.scene.volume.source, bench.scene.volume.layout,
-                  bench.asked.frame.partition, bench.scene.volume.rangesBytes());
+  const BufferNeeds needs = needsOf(bench.scene.volume.step(), bench.asked.frame.partition,
+                                    bench.scene.volume.rangesBytes());
   // Less memory would be refused.
   const uint64_t least = textures + leastBufferBytes(page, needs);
   const uint64_t memory_bytes = std::max(least, textures + (all.decoded + all.uploaded) / 4);

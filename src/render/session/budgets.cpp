@@ -66,12 +66,24 @@ int readsAtOnce(const VolumeSource& source, int threads) {
   return std::max({threads, kReadsInFlight, source.distantReads()});
 }
 
-BufferNeeds bufferNeeds(const VolumeSource& source, const BlockLayout& layout, Partition partition,
-                        uint64_t beside_bytes) {
-  BufferNeeds needs{.block_vox = blockSide(layout, source.layout().levels),
-                    .source_thread_bytes = source.heldBytesAThread(),
+BufferNeeds needsOf(const TimeStep& step, Partition partition, uint64_t beside_bytes) {
+  const VolumeLayout& volume = step.source->layout();
+  const BlockLayout& layout = step.ranges->layout;
+  BufferNeeds needs{.block_vox = blockSide(layout, volume.levels),
+                    .source_thread_bytes = step.source->heldBytesAThread(),
                     .beside_bytes = beside_bytes};
-  if (partition == Partition::kBoxes) needs.growing_bytes = growingBytes(source.layout(), layout);
+  if (partition == Partition::kBoxes) needs.growing_bytes = growingBytes(volume, layout);
+  // Blocks of several levels are never cut to the volume's size (block_side.h).
+  if (!step.coarser.empty()) needs.block_vox = layout.size;
+  const auto readsFrom = [&](const VolumeSource& source) {
+    needs.source_thread_bytes = std::max(needs.source_thread_bytes, source.heldBytesAThread());
+  };
+  for (const CoarserStep& coarser : step.coarser) {
+    readsFrom(*coarser.source);
+    if (coarser.spreads == nullptr) continue;
+    readsFrom(*coarser.spreads);
+    needs.numbers = 2;
+  }
   return needs;
 }
 

@@ -9,8 +9,8 @@
 #include "src/base/error.h"
 #include "src/base/sources/volume_source.h"
 #include "src/device/device.h"
+#include "src/render/blocks/time_step.h"
 #include "src/render/camera/frame_options.h"
-#include "src/volume/block_layout.h"
 
 namespace sluice {
 
@@ -33,9 +33,8 @@ struct BufferNeeds {
   uint64_t beside_bytes = 0;         // that others hold of the same memory: min-max arrays
   int64_t numbers = 1;               // a voxel of the largest block: 2 with spreads
 };
-// The needs of a volume in these blocks. BufferNeeds::numbers is left to the caller.
-BufferNeeds bufferNeeds(const VolumeSource& source, const BlockLayout& layout, Partition partition,
-                        uint64_t beside_bytes);
+// The needs of a residency that serves all steps like this one, with all their levels.
+BufferNeeds needsOf(const TimeStep& step, Partition partition, uint64_t beside_bytes);
 
 // How many blocks are read at once for a program of so many threads: enough to keep a disk busy
 // that serves many reads at once, on machines of few cores too, or a distant server.

@@ -21,34 +21,7 @@ std::vector<VolumeBuffer::Level> bufferLevels(const TimeStep& step) {
   return levels;
 }
 
-// Returns the sources of all levels, level 0 first.
-std::vector<VolumeSource*> sourcesOf(const TimeStep& step) {
-  std::vector<VolumeSource*> sources{step.source};
-  for (const CoarserStep& coarser : step.coarser) {
-    sources.push_back(coarser.source);
-    if (coarser.spreads != nullptr) sources.push_back(coarser.spreads);
-  }
-  return sources;
-}
-
-uint64_t sourceThreadBytes(const TimeStep& step) {
-  uint64_t bytes = 0;
-  for (const VolumeSource* source : sourcesOf(step))
-    bytes = std::max(bytes, source->heldBytesAThread());
-  return bytes;
-}
-
 }  // namespace
-
-BufferNeeds needsOf(const TimeStep& step, Partition partition, uint64_t beside_bytes) {
-  BufferNeeds needs = bufferNeeds(*step.source, step.ranges->layout, partition, beside_bytes);
-  needs.source_thread_bytes = sourceThreadBytes(step);
-  // Blocks of several levels are never cut to the volume's size (block_side.h).
-  if (!step.coarser.empty()) needs.block_vox = step.ranges->layout.size;
-  for (const CoarserStep& coarser : step.coarser)
-    if (coarser.spreads != nullptr) needs.numbers = 2;
-  return needs;
-}
 
 Residency::Residency(const TimeStep& step, Device& device, const ResidencyOptions& options,
                      int threads, int64_t first_name)

@@ -32,9 +32,6 @@ struct ResidencyOptions {
   uint64_t beside_bytes = 0;  // part of memory_bytes that others hold: min-max arrays
 };
 
-// The needs of a residency that serves all steps like this one, see shareMemory().
-BufferNeeds needsOf(const TimeStep& step, Partition partition, uint64_t beside_bytes);
-
 class Residency {
  public:
   // Serves all time steps that have the sources and layouts of `step`. These sources and `device`

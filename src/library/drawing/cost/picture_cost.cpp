@@ -129,13 +129,6 @@ void addMostReads(const WantedReads& wanted, const std::optional<Budgets>& budge
   forecast.most_voxel_bytes = std::max(forecast.most_voxel_bytes, wanted.voxel_bytes);
 }
 
-// The needs of a session that holds `beside_bytes` in addition to the levels.
-BufferNeeds sessionNeeds(const IndexedVolume& volume, Partition partition, uint64_t beside_bytes) {
-  BufferNeeds needs = bufferNeeds(*volume.source, volume.layout, partition, beside_bytes);
-  needs.numbers = volume.numbers();
-  return needs;
-}
-
 }  // namespace
 
 std::optional<StoredReads> storedReadsOfLevel(VolumeSource& source, int64_t time, int level) {
@@ -219,7 +212,7 @@ void requireRoomToPlan(const IndexedVolume& volume, const PageGeometry& page, ui
   // Throws with the memory that is needed: the plan alone exceeds the budget, so no sharing can
   // fit.
   shareMemory(memoryBudget(machine), page, texels,
-              sessionNeeds(volume, frame.partition, share.beside_bytes), 1);
+              needsOf(volume.step(), frame.partition, share.beside_bytes), 1);
 }
 
 Forecast forecastOf(const ForecastInputs& inputs) {
@@ -228,7 +221,7 @@ Forecast forecastOf(const ForecastInputs& inputs) {
   forecast.index_bytes = volume.rangesBytes();
   const PictureDemand picture = pictureDemand(machine, frame);
   const BesideShare share = besideShare(volume, machine, frame.partition, picture, others_bytes);
-  const BufferNeeds needs = sessionNeeds(volume, frame.partition, share.beside_bytes);
+  const BufferNeeds needs = needsOf(volume.step(), frame.partition, share.beside_bytes);
   const std::optional<Budgets> budgets = budgetsOf(inputs, needs);
   addReads(inputs, heldChunkBytes(budgets, needs), forecast);
   addMostReads(cost.wanted, budgets, forecast);
@@ -236,8 +229,8 @@ Forecast forecastOf(const ForecastInputs& inputs) {
   const uint64_t textures = textureMemoryBytes(page, texels);
   forecast.budget_bytes = memoryBudget(machine);
   forecast.least_bytes =
-      textures + leastBufferBytes(page, sessionNeeds(volume, frame.partition,
-                                                     others_bytes + leastPictureBytes(picture)));
+      textures + leastBufferBytes(page, needsOf(volume.step(), frame.partition,
+                                                others_bytes + leastPictureBytes(picture)));
   forecast.fits_budget = forecast.least_bytes <= forecast.budget_bytes;
   // Blocks once, and chunks twice: filled in memory, and as textures.
   const uint64_t copies = textureMemoryBytes(page, TexelPlace::kInMemory);

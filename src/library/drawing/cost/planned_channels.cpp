@@ -7,6 +7,7 @@
 
 #include "src/library/drawing/cost/picture_memory.h"
 #include "src/render/light/coarse_extinction.h"
+#include "src/render/session/budgets.h"
 
 namespace sluice {
 namespace {
@@ -64,9 +65,7 @@ uint64_t needOfMemory(const std::vector<ChannelShare>& shares, Combine combine, 
   uint64_t most = 0;
   for (size_t i = 0; i < shares.size(); ++i) {
     const IndexedVolume& volume = *shares[i].look.volume;
-    BufferNeeds needs =
-        bufferNeeds(*volume.source, volume.layout, shares[i].frame.partition, beside_bytes[i]);
-    needs.numbers = volume.numbers();
+    const BufferNeeds needs = needsOf(volume.step(), shares[i].frame.partition, beside_bytes[i]);
     most = std::max(most, textureMemoryBytes(pages[i], texels) + leastBufferBytes(pages[i], needs));
   }
   return shares.size() * most;

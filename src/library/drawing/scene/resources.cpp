@@ -97,8 +97,7 @@ int64_t pageCount(const MachineOptions& machine, const IndexedVolume& volume,
                   uint64_t beside_bytes) {
   if (machine.pages) return *machine.pages;
   // The partition makes no difference, so that a plan holds for both.
-  BufferNeeds needs = bufferNeeds(*volume.source, volume.layout, Partition::kBlocks, 0);
-  needs.numbers = volume.numbers();
+  const BufferNeeds needs = needsOf(volume.step(), Partition::kBlocks, 0);
   const uint64_t memory_bytes = memoryBudget(machine);
   return defaultPages(volume.page, needs, volume.source->layout().dims,
                       memory_bytes - std::min(memory_bytes, beside_bytes));
@@ -130,8 +129,7 @@ BesideShare besideShare(const IndexedVolume& volume, const MachineOptions& machi
     PageGeometry page = volume.page;
     page.pages = pageCount(machine, volume, share.beside_bytes);
     share.pages = page.pages;
-    BufferNeeds needs = bufferNeeds(*volume.source, volume.layout, partition, share.beside_bytes);
-    needs.numbers = volume.numbers();
+    const BufferNeeds needs = needsOf(volume.step(), partition, share.beside_bytes);
     if (textureMemoryBytes(page, TexelPlace::kInMemory) + leastBufferBytes(page, needs) <=
         memory_bytes)
       break;
@@ -146,8 +144,7 @@ uint64_t leastForWholePicture(const IndexedVolume& volume, MachineOptions machin
   machine.memory_bytes = 1;  // for the fewest pages
   PageGeometry page = volume.page;
   page.pages = pageCount(machine, volume, beside_bytes);
-  BufferNeeds needs = bufferNeeds(*volume.source, volume.layout, partition, beside_bytes);
-  needs.numbers = volume.numbers();
+  const BufferNeeds needs = needsOf(volume.step(), partition, beside_bytes);
   return std::max(memoryOfWholePicture(picture),
                   textureMemoryBytes(page, TexelPlace::kInMemory) + leastBufferBytes(page, needs));
 }
