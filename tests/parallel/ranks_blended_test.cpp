@@ -94,7 +94,7 @@ TEST(RanksBlended, drawThePictureOfOneProcessInOneGo) {
       FrameOptions options = obliqueView(projection);
       options.with_depth = !lit;
       options.count_samples = lit;
-      options.skips = false;
+      options.skipping = Skipping::kShading;
       const SceneOptions scene_options{.block_vox = 8, .lit = lit};
       const std::unique_ptr<Device> device = suiteDevice();
       BlendedScene alone(*device, channels, scene_options);

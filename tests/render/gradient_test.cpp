@@ -185,7 +185,7 @@ TEST_F(GradientTest, samplesThatAreLeftOutShowNothing) {
                           {.lit = lit, .ghost = true});
         FrameOptions options = obliqueView(projection);
         const FloatPicture drawn = scene.draw(options);
-        options.shades_every_sample = true;
+        options.skipping = Skipping::kNone;
         EXPECT_TRUE(within(0.25, scene.draw(options), drawn)) << name(type) << ", lit " << lit;
       }
 }

@@ -26,7 +26,7 @@ class RightPictureTest : public RenderTest {
     EXPECT_TRUE(within(kSame, drawn, large.draw(options))) << "blocks of another size";
     options.algorithm = Algorithm::kConventional;
     EXPECT_TRUE(within(kSame, drawn, scene.draw(options))) << "whole blocks";
-    options.skips = false;
+    options.skipping = Skipping::kShading;
     EXPECT_TRUE(within(kSame, drawn, large.draw(options))) << "without leaps";
   }
 };

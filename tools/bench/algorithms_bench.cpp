@@ -47,7 +47,7 @@ struct Measured {
 
 Measured measure(Session& session, FrameOptions options, Algorithm algorithm, int frames) {
   options.algorithm = algorithm;
-  options.skips = false;
+  options.skipping = Skipping::kShading;
   session.setOptions(options);
   std::vector<double> seconds;
   Measured result;

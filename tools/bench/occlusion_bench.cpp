@@ -38,15 +38,15 @@ struct Way {
   Algorithm algorithm;
   Partition partition;
   Occlusion occlusion;
-  bool skips;
+  Skipping skipping;
 };
 constexpr std::array<Way, 6> kWays = {
-    {{"basic", Algorithm::kConventional, Partition::kBlocks, Occlusion::kOff, false},
-     {"ess", Algorithm::kMerged, Partition::kBoxes, Occlusion::kOff, false},
-     {"ess_m", Algorithm::kMerged, Partition::kBoxes, Occlusion::kMap, false},
-     {"ess_c", Algorithm::kMerged, Partition::kBoxes, Occlusion::kCull, false},
-     {"ess_cc", Algorithm::kMerged, Partition::kBoxes, Occlusion::kClip, false},
-     {"own", Algorithm::kMerged, Partition::kBlocks, Occlusion::kOff, true}}};
+    {{"basic", Algorithm::kConventional, Partition::kBlocks, Occlusion::kOff, Skipping::kShading},
+     {"ess", Algorithm::kMerged, Partition::kBoxes, Occlusion::kOff, Skipping::kShading},
+     {"ess_m", Algorithm::kMerged, Partition::kBoxes, Occlusion::kMap, Skipping::kShading},
+     {"ess_c", Algorithm::kMerged, Partition::kBoxes, Occlusion::kCull, Skipping::kShading},
+     {"ess_cc", Algorithm::kMerged, Partition::kBoxes, Occlusion::kClip, Skipping::kShading},
+     {"own", Algorithm::kMerged, Partition::kBlocks, Occlusion::kOff, Skipping::kLeaps}}};
 
 UpdateCountOptions scheduleOf(const OcclusionBench& bench) {
   UpdateCountOptions options = FrameLessons::kUpdates;
@@ -56,7 +56,7 @@ UpdateCountOptions scheduleOf(const OcclusionBench& bench) {
 
 FrameOptions optionsOf(FrameOptions options, const Way& way) {
   options.algorithm = way.algorithm;
-  options.skips = way.skips;
+  options.skipping = way.skipping;
   options.partition = way.partition;
   options.occlusion = way.occlusion;
   return options;
@@ -89,7 +89,7 @@ FrameReport countedFrame(Session& session, FrameOptions options) {
 json updatesOf(Session& session, const OcclusionBench& bench, double turn) {
   FrameOptions options = bench.frame;
   options.partition = Partition::kBoxes;
-  options.skips = false;
+  options.skipping = Skipping::kShading;
   options.camera.azimuth_deg += turn;
   options.occlusion = Occlusion::kClip;
   session.setOptions(options);

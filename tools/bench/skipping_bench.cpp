@@ -21,13 +21,13 @@ struct SkippingWay {
   const char* name;
   Algorithm algorithm;
   Partition partition;
-  bool shades_every_sample;
+  Skipping skipping;
 };
 constexpr std::array<SkippingWay, 4> kSkippingWays = {
-    {{"basic", Algorithm::kConventional, Partition::kBlocks, true},
-     {"whole", Algorithm::kConventional, Partition::kBlocks, false},
-     {"object", Algorithm::kMerged, Partition::kBlocks, false},
-     {"ess", Algorithm::kMerged, Partition::kBoxes, false}}};
+    {{"basic", Algorithm::kConventional, Partition::kBlocks, Skipping::kNone},
+     {"whole", Algorithm::kConventional, Partition::kBlocks, Skipping::kShading},
+     {"object", Algorithm::kMerged, Partition::kBlocks, Skipping::kShading},
+     {"ess", Algorithm::kMerged, Partition::kBoxes, Skipping::kShading}}};
 
 nlohmann::json skippingRow(const BenchArguments& bench, const std::string& word) {
   const auto [file, threshold] = splitThreshold(word, bench.look.threshold);
@@ -44,9 +44,8 @@ nlohmann::json skippingRow(const BenchArguments& bench, const std::string& word)
     for (size_t way = 0; way < kSkippingWays.size(); ++way) {
       FrameOptions options = bench.frame;
       options.algorithm = kSkippingWays[way].algorithm;
-      options.skips = false;
       options.partition = kSkippingWays[way].partition;
-      options.shades_every_sample = kSkippingWays[way].shades_every_sample;
+      options.skipping = kSkippingWays[way].skipping;
       options.count_samples = i + 1 == bench.frames;
       scene.session->setOptions(options);
       // This frame also pays for the change of the plan, which belongs to neither way.

@@ -94,7 +94,7 @@ FrameOptions plainOptions(FrameOptions options) {
   // Rays never end early.
   options.opacity_threshold = 1;
   options.occlusion = Occlusion::kOff;
-  options.skips = false;
+  options.skipping = Skipping::kShading;
   options.time_limit_s.reset();
   options.cut.reset();
   options.count_samples = false;

@@ -36,6 +36,19 @@ constexpr std::string_view name(Partition partition) {
   return partition == Partition::kBlocks ? "blocks" : "boxes";
 }
 
+// What a device leaves out inside the boxes that it draws. The picture is the same.
+enum class Skipping {
+  // Nothing: it reads, lights and blends every sample, as renderers without empty space skipping do
+  // (Li's Basic): the baseline for measuring skipping.
+  kNone,
+  // The light and the blending of samples that show nothing: for benches that measure the papers'
+  // ways of skipping without leaps.
+  kShading,
+  // Whole stretches of rays, too, if it can: rays leap over cells that show nothing, and end where
+  // nothing behind could be seen.
+  kLeaps,
+};
+
 // Opaque enough to leave out everything behind (Li 2003, section 4.1).
 inline constexpr double kDefaultOpaque = 0.95;
 
@@ -74,13 +87,7 @@ struct FrameOptions {
   // The distance between slices grows with the voxels if the time limit makes a cut coarser.
   bool step_follows_cut = false;
   bool keep_phases = false;  // fills Frame::phases; with occlusion
-  // Reads, lights and blends every sample of the boxes drawn, even if it shows nothing, as
-  // renderers without empty space skipping do (Li's Basic): the baseline for measuring skipping.
-  bool shades_every_sample = false;
-  // Rays may leap over cells inside a box that show nothing and end where nothing behind could be
-  // seen, if the device can: the picture is the same. Off if a bench measures the papers' ways of
-  // skipping without it.
-  bool skips = true;
+  Skipping skipping = Skipping::kLeaps;
   // Ends the frame, see Session::frame().
   StopToken stop = {};
   // Called with the number of clusters drawn and of all: before the first, and after each. Called

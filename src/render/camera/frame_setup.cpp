@@ -130,8 +130,8 @@ FrameSetup setupOf(const View& view, const VolumeLayout& layout, const OpacityTa
     setup.depth_cueing = options.depth_cueing;
     setup.jitter = options.jitter;
   }
-  setup.shades_every_sample = options.shades_every_sample;
-  setup.skips = options.skips && !options.shades_every_sample;
+  setup.shades_every_sample = options.skipping == Skipping::kNone;
+  setup.skips = options.skipping == Skipping::kLeaps;
   setup.lighting = options.lighting;
   // Gradients are covectors: from index to world they are divided by the spacing.
   for (size_t a = 0; a < 3; ++a) {
