@@ -27,7 +27,8 @@ struct PolicyRow {
   std::string_view name;
   std::unique_ptr<Policy> (*make)(uint64_t capacity, uint64_t seed);
 };
-// In the order of PolicyKind. Policies that know the future come last: belady.h makes them.
+// The rows have the order of PolicyKind. Policies that know the future come last: belady.h makes
+// them.
 constexpr std::array kPolicies{
     PolicyRow{PolicyKind::kLru, "lru", make<LruPolicy>},
     PolicyRow{PolicyKind::kFifo, "fifo", make<FifoPolicy>},

@@ -164,7 +164,7 @@ Adding addingTyped(const KernelFrame& frame) {
   const AddSamples two =
       frame.labels ? &addSamples<kType, Shading::kShares> : &addSamples<kType, Shading::kSpread>;
   if (frame.lit || frame.rows > 0) return {&addSamples<kType, Shading::kGradients>, two};
-  // For packets of four rays, copying texels takes as long as the loads that it saves.
+  // Packets of four rays gain nothing: copying texels takes as long as the loads that it saves.
   const bool reads_values = kLanes >= 8 && kType == DeviceType::kU8 && !frame.labels;
   if (frame.perspective)
     return {&addSamples<kType, Shading::kLength>, two,

@@ -13,7 +13,7 @@ layout(location = 1) out vec4 taken;  // samples; of opacity 0, so that they add
 #if CUES_DEPTH
 uniform vec3 depth_cue;  // how much slice -1/2 is darkened, each slice more, and the most
 #endif
-// What a pixel has of the samples so far.
+// The samples so far, combined.
 vec4 sum;
 
 void beginSumWith(vec4 nothing) {

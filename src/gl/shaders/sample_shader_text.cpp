@@ -21,7 +21,7 @@ void enter(vec2 pixel, Ray ray) {
   if (range.x >= range.y) discard;
 }
 
-// In voxels from the box's lower corner.
+// The place of sample k, in voxels from the box's lower corner.
 vec3 voxelAt(int k) {
   return clamp(start + clamp(float(k), ends.x, ends.y) * way, vec3(0.0), size);
 }

@@ -23,20 +23,20 @@ extern const char* const kShownColorText;  // the colour of a sample
 extern const char* const kSumText;         // what a pixel keeps and writes; blend(color, slice)
 extern const char* const kCountText;       // main: how many samples there are
 
-// Where the samples of a ray lie: enter(pixel, ray), which sets `range` or discards the pixel, and
-// placeAt(k).
+// These two say where the samples of a ray lie, by enter(pixel, ray), which sets `range` or
+// discards the pixel, and placeAt(k).
 extern const char* const kSliceSamplesText;
 extern const char* const kPlaneSamplesText;  // also voxelAt(k)
 
-// What a sample is: enterSamples(), and nextSample(k, ray), which moves k on to the next sample
-// that may show, at most to the last one.
+// These say what a sample is, by enterSamples(), and nextSample(k, ray), which moves k on to the
+// next sample that may show, at most to the last one.
 extern const char* const kLightPlaceText;  // lightAt(ray, slice): a place in the light volume
 extern const char* const kSampleText;      // Sample; sampleAt(...): the sample of one value
 extern const char* const kValuesText;      // each is of one value
 extern const char* const kSegmentsText;    // each is of the values between two places
 extern const char* const kSurfacesText;    // each may have surfaces, which combine() blends with it
 
-// How a pixel combines its samples: beginSum(ray), combine(sample, k, ray).
+// These say how a pixel combines its samples, by beginSum(ray) and combine(sample, k, ray).
 extern const char* const kBlendText;
 extern const char* const kGreatestText;
 extern const char* const kLeastText;

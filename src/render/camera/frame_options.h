@@ -36,7 +36,7 @@ constexpr std::string_view name(Partition partition) {
   return partition == Partition::kBlocks ? "blocks" : "boxes";
 }
 
-// What a device leaves out inside the boxes that it draws. The picture is the same.
+// A device leaves these samples out inside the boxes that it draws. The picture is the same.
 enum class Skipping {
   // Nothing: it reads, lights and blends every sample, as renderers without empty space skipping do
   // (Li's Basic): the baseline for measuring skipping.

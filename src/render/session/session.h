@@ -36,8 +36,8 @@ struct SessionOptions : ResidencyOptions {
   // With Partition::kBoxes, frames may draw growing boxes. They are kept with the volume's index,
   // in these places.
   IndexPlaces index_places;
-  // Where a trace goes on that an earlier session recorded. Chunks get new names, since nothing is
-  // resident any more.
+  // The numbers from which a trace goes on that an earlier session recorded. Chunks get new names,
+  // since nothing is resident any more.
   TraceNumbers trace_from;
 };
 
@@ -59,7 +59,7 @@ class Session {
   // Writes each request of the texture cache there too from now on; null: no longer. It must
   // outlive the frames drawn.
   void recordTo(TraceWriter* trace) { trace_ = trace; }
-  // For the session that takes this one's place.
+  // The session that takes this one's place goes on from these numbers.
   TraceNumbers nextInTrace() const { return {frame_number_, residency_.names().count()}; }
   // The step that the frame after the next one will show. Its data is read while the last part of
   // the next frame is drawn, as far as the buffers have room. Applies to the next frame alone.

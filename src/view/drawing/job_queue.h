@@ -98,7 +98,8 @@ class JobQueue {
   void noteSeen();
   // Stops the job under way; next() gives the small files that are not written yet and then ends.
   void end();
-  // After the end: the pictures and the film that were asked for and are not written, a line each.
+  // The pictures and the film that were asked for and are not written, a line each. Requires: end()
+  // was called.
   std::vector<std::string> unwritten() const;
 
   // Waits for something to do; nullopt: the end. The job that it returned before counts as done.

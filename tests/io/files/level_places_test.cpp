@@ -1,4 +1,4 @@
-// What finding the places of levels takes; the places themselves are tests of the formats.
+// Finding the places of levels takes little memory; the places themselves are tests of the formats.
 #include "io/files/level_places.h"
 
 #include <gtest/gtest.h>

@@ -18,8 +18,8 @@ PlannedPart partOf(const ChannelShare& share) {
   return {*share.look.volume, share.step, *share.look.transfer, share.frame, share.page};
 }
 
-// What a channel holds beside the levels if all channels have `memory_bytes` together, in place of
-// `now_bytes`: the plan of a cut may take a part of the memory.
+// The bytes that a channel holds beside the levels if all channels have `memory_bytes` together, in
+// place of `now_bytes`: the plan of a cut may take a part of the memory.
 uint64_t othersAt(const ChannelShare& share, size_t channels, uint64_t memory_bytes,
                   uint64_t now_bytes, WorkerPool& pool) {
   const IndexedVolume& volume = *share.look.volume;
