@@ -346,9 +346,9 @@ TEST_P(RanksProgram, namesAMemoryThatWorksAtOnce) {
   for (const char* more : {" --size 100", " --size 600"}) {
     const CommandResult refused = onRanks(2, command + more + " --memory 1M");
     EXPECT_EQ(refused.status, 1);
-    const size_t at = refused.output.find("give --memory ");
+    const size_t at = refused.output.find(", and ");
     ASSERT_NE(at, std::string::npos) << refused.output;
-    const uint64_t named = std::stoull(refused.output.substr(at + 14));
+    const uint64_t named = std::stoull(refused.output.substr(at + 6));
     const CommandResult enough = onRanks(2, fmt::format("{}{} --memory {}", command, more, named));
     EXPECT_EQ(enough.status, 0) << refused.output << enough.output;
     const size_t least = refused.output.find("needs at least ");

@@ -100,13 +100,12 @@ void Scene::openSession(const FrameOptions& frame, const MoreBytes& more_bytes) 
     // seldom as much as is enough for any.
     if (least && share)
       failMemory(
-          "--memory {} is too small: each rank needs at least {}{}; give --memory {}, which is "
-          "enough for any picture of this size, or a smaller --size",
-          formatBytes(memory_bytes), *least,
+          "--memory {} is too small: each rank needs at least {}, and {} is enough for any picture "
+          "of this size{}; give more --memory or a smaller --size",
+          formatBytes(memory_bytes), *least, enoughForRanks(frame, more_bytes, *least),
           layers().size() > 1
-              ? fmt::format(", and {} channels share the memory evenly", layers().size())
-              : "",
-          enoughForRanks(frame, more_bytes, *least));
+              ? fmt::format(" ({} channels share the memory evenly)", layers().size())
+              : "");
     failOfShare(error, layers().size(), least);
   }
 }
