@@ -142,8 +142,7 @@ Command addSimulate(CLI::App& program) {
   CLI::App* app = program.add_subcommand(
       "simulate",
       "Replays traces, or a turn around a volume, through policies and cache sizes\n\n"
-      "A trace stands in the place of VOLUME.\n\n"
-      "  sluice simulate turn.trace --policies lru,arc,belady\n"
+      "VOLUME may be a trace that render --trace recorded, or one of another program.\n\n"
       "  sluice simulate bonsai.nii.gz --threshold 40 --page 32x64x2 --pages 256 "
       "--html report.html");
   TurnArguments& turn = arguments->turn;
