@@ -8,33 +8,14 @@
 #include <map>
 #include <random>
 
-#include "src/base/error.h"
-#include "src/classify/blocks/object_boxes.h"
-#include "tests/support/function_source.h"
+#include "tests/classify/blocks/classified.h"
 #include "tests/support/random_volume.h"
 
 namespace sluice {
 namespace {
 
-using testing::AllOf;
-using testing::HasSubstr;
-
 double unit(std::mt19937_64& random) {
   return static_cast<double>(random() >> 11) * 0x1p-53;
-}
-
-TransferFunction transferOf(std::vector<OpacityPoint> opacities) {
-  TransferFunction transfer;
-  transfer.colors = {{0, {1, 1, 1}}};
-  transfer.opacities = std::move(opacities);
-  return transfer;
-}
-// Opaque from `lo` to `hi`.
-TransferFunction band(double lo, double hi) {
-  return transferOf({{lo, 0}, {lo, 0.5}, {hi, 0.5}, {hi, 0}});
-}
-TransferFunction threshold(double t) {
-  return transferOf({{t, 0}, {t, 0.5}});
 }
 
 // Threshold, band or several bands with soft and hard sides, each wider than a table entry.
@@ -85,34 +66,6 @@ Volume volumeOf(std::unique_ptr<MemorySource> source, int64_t size, int ghost = 
   SliceRanges ranges =
       buildSliceRanges(*source, 0, blockLayout(source->layout().dims, size, ghost), pool, quiet);
   return {std::move(source), std::move(ranges)};
-}
-
-Box3 allCells(const BlockLayout& layout) {
-  return {{0, 0, 0}, layout.dims - Vec3i{1, 1, 1}};
-}
-
-// Compares the boxes of all blocks with the list of visible ones.
-void expectSameBoxes(const VisibleBlocks& listed, const ObjectBoxes& boxes,
-                     const BlockLayout& layout) {
-  size_t next = 0;
-  for (int64_t block = 0; block < layout.blockCount(); ++block) {
-    const bool is_listed = next < listed.blocks.size() && listed.blocks[next].name.block == block;
-    EXPECT_EQ(boxes.of(layout.indexOf(block)), is_listed ? listed.blocks[next++].cells : Box3());
-  }
-}
-
-VisibleBlocks classified(const SliceRanges& ranges, const TransferFunction& transfer,
-                         std::optional<Box3> crop = std::nullopt, int threads = 2) {
-  WorkerPool pool(threads);
-  const OpacityTable table(transfer, ranges.map, ranges.device_range);
-  const Box3 cells = crop.value_or(allCells(ranges.layout));
-  const VisibleBlocks result = classify(ranges, table, cells, pool);
-  EXPECT_EQ(countVisible(ranges, table, cells, pool), static_cast<int64_t>(result.blocks.size()));
-  constexpr int64_t kMostCompared = 100'000;
-  if (ranges.layout.blockCount() <= kMostCompared)
-    expectSameBoxes(result, ObjectBoxes(std::make_shared<const SliceRanges>(ranges), table, cells),
-                    ranges.layout);
-  return result;
 }
 
 // The table's entries one at a time; the neighbours count too, for rounding.
@@ -326,79 +279,6 @@ TEST(Classification, notANumberShowsAsTheLowEnd) {
   EXPECT_EQ(low.blocks.size(), 0U);  // the table ends at the least number there is, 5
   const VisibleBlocks high = classified(volume.ranges, threshold(4.9));
   EXPECT_EQ(high.white, 0);
-}
-
-// --- blocks of background, which the ranges do not hold
-
-SliceRanges sparseRanges(Vec3i dims, double background, std::vector<Box3> boxes, int64_t size) {
-  VolumeLayout layout;
-  layout.dims = dims;
-  FunctionSource source(
-      layout,
-      [=](int64_t, Vec3i p) {
-        for (const Box3& box : boxes)
-          if (box.contains(p)) return 200.0;
-        return background;
-      },
-      Occupancy{background, boxes});
-  WorkerPool pool(2);
-  ProgressMeter quiet;
-  return buildSliceRanges(source, 0, blockLayout(dims, size, 0), pool, quiet);
-}
-
-TEST(Classification, invisibleBackgroundIsWhite) {
-  const SliceRanges ranges = sparseRanges({100, 100, 100}, 0, {{{50, 50, 50}, {51, 51, 51}}}, 8);
-  ASSERT_EQ(ranges.blocks.size(), 1U);
-  const VisibleBlocks result = classified(ranges, threshold(100));
-  EXPECT_EQ(result.blocks.size(), 1U);
-  EXPECT_EQ(result.white, 15 * 15 * 15 - 1);
-}
-
-TEST(Classification, visibleBackgroundFillsItsBlocks) {
-  const SliceRanges ranges = sparseRanges({30, 30, 30}, 50, {{{10, 10, 10}, {12, 12, 12}}}, 8);
-  ASSERT_EQ(ranges.blocks.size(), 1U);
-  const VisibleBlocks result = classified(ranges, band(40, 60));
-  ASSERT_EQ(static_cast<int64_t>(result.blocks.size()), ranges.layout.blockCount());
-  EXPECT_EQ(result.white, 0);
-  for (size_t i = 0; i < result.blocks.size(); ++i) {
-    EXPECT_EQ(result.blocks[i].name.block, static_cast<int64_t>(i));
-    if (result.blocks[i].name.block != ranges.blocks[0]) {
-      EXPECT_EQ(result.blocks[i].kind, BlockClass::kBlack);
-      EXPECT_EQ(result.blocks[i].cells,
-                ranges.layout.ownedCells(ranges.layout.indexOf(static_cast<int64_t>(i))));
-    }
-  }
-}
-
-TEST(Classification, visibleBackgroundIsCroppedToo) {
-  const SliceRanges ranges = sparseRanges({30, 30, 30}, 50, {{{10, 10, 10}, {12, 12, 12}}}, 8);
-  const Box3 crop{{5, 0, 7}, {8, 7, 29}};
-  const VisibleBlocks result = classified(ranges, band(40, 60), crop);
-  std::vector<Box3> expected;
-  for (int64_t block = 0; block < ranges.layout.blockCount(); ++block) {
-    const Box3 cells = intersect(ranges.layout.ownedCells(ranges.layout.indexOf(block)), crop);
-    if (!cells.empty()) expected.push_back(cells);
-  }
-  ASSERT_EQ(result.blocks.size(), expected.size());
-  for (size_t i = 0; i < expected.size(); ++i)
-    if (result.blocks[i].name.block != ranges.blocks[0]) {
-      EXPECT_EQ(result.blocks[i].cells, expected[i]);
-    }
-}
-
-TEST(Classification, moreVisibleBackgroundThanCanBeListedIsAnError) {
-  const Vec3i dims{20000, 20000, 20000};
-  const SliceRanges ranges = sparseRanges(dims, 50, {{{10, 10, 10}, {12, 12, 12}}}, 64);
-  try {
-    classified(ranges, band(40, 60));
-    FAIL() << "nothing thrown";
-  } catch (const Error& error) {
-    EXPECT_THAT(error.what(), AllOf(HasSubstr("(50)"), HasSubstr("crop")));
-  }
-  // The advice in the message works.
-  const VisibleBlocks cropped = classified(ranges, band(40, 60), Box3{{0, 0, 0}, {126, 126, 63}});
-  EXPECT_EQ(cropped.blocks.size(), 4U);
-  EXPECT_EQ(classified(ranges, threshold(100)).blocks.size(), 1U);
 }
 
 // By their definition: each block's hull of what lies within a cell of any object box, with cells
