@@ -18,22 +18,22 @@ namespace sluice {
 // The most rays of a picture.
 inline constexpr double kMostRays = 1 << 26;
 
-// The ray that a pixel shows. Each channel: the greatest number of any ray in each of red, green,
-// blue and opacity, and the nearest depth. No ray is chosen, since rounding would choose: most rays
-// of a surface are opaque but for rounding, which differs between devices and between block sizes,
-// and they differ in colour. Numbers of pixels differ by no more than those of rays.
-// Brightest and darkest: the ray with the greatest sum of 4 times the opacity and of the colours,
-// or of minus the colours. Colours of labels and of values may not mix.
+// A pixel shows the greatest number of any ray in each of red, green, blue and opacity, and the
+// nearest depth (each channel). No ray is chosen, since rounding would choose: most rays of a
+// surface are opaque but for rounding, which differs between devices and between block sizes, and
+// they differ in colour. Numbers of pixels differ by no more than those of rays. Colours of labels
+// and of values may not mix. Their pixels show the ray with the greatest sum of 4 times the opacity
+// and of the colours (brightest), or of minus the colours (darkest).
 enum class KeptRay { kEachChannel, kBrightest, kDarkest };
 // The rays of a picture: along each side of a pixel, and which of them it shows.
 struct PixelRays {
   int a_side = 1;
   KeptRay kept = KeptRay::kBrightest;
 };
-// Returns the ray that a pixel keeps in this mode. Modes with colours keep each channel, or the
-// brightest ray of labels. For an extreme it is the ray whose value wins,
-// if the look's colours become ever brighter, or ever darker, with the values. nullopt: colours do
-// not tell which ray it is, or the mode looks at all of them.
+// Returns what a pixel keeps in this mode. Modes with colours keep each channel, or the brightest
+// ray of labels. An extreme keeps the ray whose value wins, if the look's colours become ever
+// brighter, or ever darker, with the values. nullopt: colours do not tell which ray it is, or the
+// mode looks at all of them.
 std::optional<KeptRay> keptRay(const LookUp& look_up, Mode mode);
 
 // The rays along each side of a pixel: 1, or, for a cut that keeps thin parts, as many as leave a
