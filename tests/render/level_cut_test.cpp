@@ -10,6 +10,7 @@
 
 #include "src/base/error.h"
 #include "src/render/camera/index_space.h"
+#include "src/render/camera/pixel_sizes.h"
 #include "tests/render/level_scene.h"
 #include "tests/support/error_of.h"
 #include "tests/support/function_source.h"
@@ -56,6 +57,24 @@ TEST_F(LevelCutTest, theCoarsestLevelWithinThePixelErrorIsChosenWhereTheBlockLie
     }
   }
   EXPECT_GT(wide, 20) << "a coarser level would do as well everywhere";
+}
+
+// A body that is framed by what shows of it is framed a little differently at another resolution.
+TEST_F(LevelCutTest, voxelsOnePixelWideAreDrawnIfTheFramingDiffersALittle) {
+  const auto source = manyBlobs({120, 101, 95});
+  Pyramid pyramid(*source, 4);
+  FrameOptions options;
+  options.size = {64, 64};
+  const View view = viewOf(pyramid, options);
+  const PyramidLayout levels = pyramid.step.layout();
+  const double level_2_pixels =
+      PixelSizes(source->layout(), view)
+          .of(levels.level(2), boxOf(levels.finest().dims - Vec3i{1, 1, 1}));
+  for (const auto& [excess, level] : {std::pair(1.015, 2), std::pair(1.025, 1)}) {
+    options.cut = CutOptions{.pixel_error = level_2_pixels / excess};
+    EXPECT_EQ(levelsOf(*chosen(pyramid, opaqueAbove(20, 255), options)), std::set<int32_t>{level});
+    EXPECT_EQ(finestLevelShown(pyramid.step, view, *options.cut), level);
+  }
 }
 
 TEST_F(LevelCutTest, aParallelViewHasOneLevelThatFollowsFromItsPixels) {

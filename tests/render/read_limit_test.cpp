@@ -148,7 +148,7 @@ TEST_F(ReadLimitTest, partsStayRefinedInAViewThatMovesALittle) {
     return 2.0 * view.size.height / (2 * view.half_height);
   };
   const double level_1_pixels = widthAt(1);
-  options_.cut->pixel_error = 0.99 * level_1_pixels;
+  options_.cut->pixel_error = 0.97 * level_1_pixels;
   const VisibleBlocksPtr before = within(nullptr);
   ASSERT_EQ(levelsOf(*before), std::set<int32_t>{0});
   options_.camera.zoom = 0.9;

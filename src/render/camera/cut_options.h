@@ -21,6 +21,14 @@ struct CutOptions {
   friend bool operator==(const CutOptions&, const CutOptions&) = default;
 };
 
+// The width in pixels up to which voxels are fine enough. It is 2 % above the pixel error, since
+// the automatic framing of a volume differs by up to as much with its resolution: a body whose
+// voxels at some level are just a pixel wide would be drawn at that level or at the next finer one,
+// of eight times the voxels, by chance.
+constexpr double widestVoxel(const CutOptions& cut) {
+  return 1.02 * cut.pixel_error;
+}
+
 // The options of one of so many volumes that a picture shows, with its share of the limits.
 constexpr CutOptions shareOf(CutOptions cut, size_t volumes) {
   cut.most_stored_bytes /= volumes;

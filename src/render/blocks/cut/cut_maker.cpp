@@ -297,7 +297,7 @@ class CutMaker {
     return false;
   }
   bool isTooCoarse(const CutNode& node) {
-    return pixelsOf(node) > options_.pixel_error * (wasRefined(node) ? kKeepsRefined : 1) ||
+    return pixelsOf(node) > widestVoxel(options_) * (wasRefined(node) ? kKeepsRefined : 1) ||
            (options_.keeps_thin && hasThin(node));
   }
 

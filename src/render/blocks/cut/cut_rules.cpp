@@ -102,7 +102,7 @@ int finestLevelShown(const TimeStep& step, const View& view, const CutOptions& o
   int level = 0;
   // The whole volume's voxels, at the place nearest to the eye.
   while (level < pyramid.levels() - 1 &&
-         sizes.of(pyramid.level(level + 1), boxOf(finestCells(pyramid))) <= options.pixel_error)
+         sizes.of(pyramid.level(level + 1), boxOf(finestCells(pyramid))) <= widestVoxel(options))
     ++level;
   return level;
 }
