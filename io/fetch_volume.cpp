@@ -3,7 +3,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <cerrno>
 #include <set>
@@ -30,8 +29,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<std::string_view, 4> kMetadataNames = {"zarr.json", ".zarray", ".zgroup",
-                                                            "attributes.json"};
 // Objects of a store that are read at once.
 constexpr int kObjectsAtOnce = 8;
 
@@ -67,9 +64,7 @@ class RecordingStore final : public ChunkStore {
  private:
   bool noted(const std::string& key, bool is_there) {
     const std::string name = lastPart(key);
-    const bool is_metadata =
-        name == ".zattrs" || std::ranges::find(kMetadataNames, name) != kMetadataNames.end();
-    if (is_there && is_metadata) {
+    if (is_there && std::ranges::find(kStoreMetadata, name) != kStoreMetadata.end()) {
       const MutexLock lock(mutex_);
       metadata_.insert(key);
     }
@@ -320,17 +315,12 @@ class StoreFetch {
   std::atomic<uint64_t> bytes_{0}, resumed_bytes_{0};
 };
 
-bool isStorePlace(const StorePlace& place) {
-  return std::ranges::any_of(kMetadataNames,
-                             [&](std::string_view name) { return place.has(std::string(name)); });
-}
-
 }  // namespace
 
 FetchedVolume fetchVolume(const std::string& address, const fs::path& target,
                           const FetchOptions& options, ProgressMeter& progress) {
   const StorePlace place = webPlace(address, options.open.web, options.open.stop);
-  if (isStorePlace(place)) {
+  if (isStore(place)) {
     if (options.expected.bytes || !options.expected.sha256.empty())
       fail("{}: a store of many files, which has no size and checksum of its own", place.name());
     return StoreFetch(place, target, options, progress).run(address);

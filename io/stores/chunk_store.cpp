@@ -1,5 +1,7 @@
 #include "io/stores/chunk_store.h"
 
+#include <algorithm>
+
 #include "src/base/error.h"
 
 namespace sluice {
@@ -40,6 +42,10 @@ std::string StorePlace::lastPart() const {
   std::string whole = trimmed(store->wholeKey(key));
   if (whole.empty()) whole = trimmed(store->nameOf(whole));
   return whole.substr(whole.rfind('/') + 1);
+}
+
+bool isStore(const StorePlace& folder) {
+  return std::ranges::any_of(kStoreMetadata, [&](const char* name) { return folder.has(name); });
 }
 
 }  // namespace sluice

@@ -5,6 +5,7 @@
 // at once.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -109,5 +110,11 @@ struct StorePlace {
   std::string name() const { return store->nameOf(key); }
   bool has(const std::string& below) const { return store->has(at(below).key); }
 };
+
+// The files that describe a folder of a store: Zarr's of either version, and N5's.
+inline constexpr std::array<const char*, 5> kStoreMetadata = {"zarr.json", ".zarray", ".zgroup",
+                                                              "attributes.json", ".zattrs"};
+// Whether a folder has one of them.
+bool isStore(const StorePlace& folder);
 
 }  // namespace sluice

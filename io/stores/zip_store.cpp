@@ -3,7 +3,6 @@
 #include <zlib.h>
 
 #include <algorithm>
-#include <array>
 #include <vector>
 
 #include "io/files/inflater.h"
@@ -105,10 +104,7 @@ StorePlace zipPlace(const std::filesystem::path& path, const std::string& inside
   place.key = place.store->wholeKey(inside);
   if (!place.key.empty()) return place;
   // The store may lie in a folder, alone: people zip the folder around a store, too.
-  constexpr std::array kMetadata{"zarr.json", ".zgroup", ".zarray", ".zattrs", "attributes.json"};
-  for (;;) {
-    if (std::ranges::any_of(kMetadata, [&](const char* name) { return place.has(name); }))
-      return place;
+  while (!isStore(place)) {
     std::vector<std::string> folders;
     place.store->list(place.key, [&](const ChunkStore::Entry& entry) {
       if (entry.is_folder && entry.name != "__MACOSX") folders.push_back(entry.name);
@@ -116,6 +112,7 @@ StorePlace zipPlace(const std::filesystem::path& path, const std::string& inside
     if (folders.size() != 1) return place;
     place = place.at(folders.front());
   }
+  return place;
 }
 
 }  // namespace sluice

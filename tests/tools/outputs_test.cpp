@@ -93,6 +93,23 @@ TEST_F(Outputs, areNeverWhatTheCommandReads) {
   }
 }
 
+TEST_F(Outputs, neverLieInAnN5Store) {
+  const std::string attributes =
+      R"({"dimensions": [4, 4, 4], "blockSize": [4, 4, 4], "dataType": "uint8",)"
+      R"( "compression": {"type": "raw"}})";
+  // A data set, and a group of levels whose attributes are missing.
+  fs::create_directories(program_.folder / "v.n5");
+  fs::create_directories(program_.folder / "g.n5" / "s0");
+  writeFile(program_.folder / "v.n5" / "attributes.json", attributes);
+  writeFile(program_.folder / "g.n5" / "s0" / "attributes.json", attributes);
+  before_ = filesOf(program_.folder.path());
+  for (const std::string force : {"", " --force"})
+    for (const std::string store : {"v.n5", "g.n5"}) {
+      const std::string report = "plan " + store + " --range=0,255 --report " + store;
+      refuses(report + "/plan.json" + force, "lies in " + store);
+    }
+}
+
 TEST_F(Outputs, ofBenchesAreNeitherWhatTheyReadNorWhatIsNoReport) {
   const std::string bench = "bench render w.nrrd --frames 1 --size 16 --report ";
   refuses(bench + "t.json --transfer t.json", "is the file t.json");

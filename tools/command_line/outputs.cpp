@@ -11,6 +11,8 @@
 
 #include "cache/trace/trace.h"
 #include "io/files/file_list.h"
+#include "io/stores/folder_store.h"
+#include "io/zarr/n5/n5_volume.h"
 #include "src/base/error.h"
 #include "src/base/files/numbered_name.h"
 
@@ -104,13 +106,6 @@ bool liesIn(const fs::path& path, const struct stat& folder) {
   return false;
 }
 
-bool isStore(const fs::path& folder) {
-  std::error_code ignored;
-  for (const char* name : {".zarray", ".zgroup", ".zattrs", "zarr.json"})
-    if (fs::exists(folder / name, ignored)) return true;
-  return false;
-}
-
 // A picture put into a folder of slices is one more slice the next time.
 bool isSlice(const fs::path& path) {
   const std::string extension = lowerExtension(path);
@@ -149,7 +144,10 @@ class Inputs {
     const auto status = statusOf(path);
     if (!status) return;
     names_.emplace(Target{status->st_dev, status->st_ino, ""}, path);
-    if (S_ISDIR(status->st_mode)) folders_.push_back({*status, path, isStore(path)});
+    if (!S_ISDIR(status->st_mode)) return;
+    const StorePlace place = folderPlace(path);
+    // A group of N5 may have attributes in its levels alone.
+    folders_.push_back({*status, path, isStore(place) || isN5(place)});
   }
 
   // Throws Error when writing `path`, which `what` names, would change a file that is read.
