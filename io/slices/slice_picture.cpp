@@ -6,7 +6,7 @@
 
 #include "io/files/file.h"
 #include "io/slices/png_slice.h"
-#include "io/slices/tiff_slice.h"
+#include "io/slices/tiff/tiff_slice.h"
 #include "src/base/error.h"
 
 namespace sluice {

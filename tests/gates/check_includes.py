@@ -89,6 +89,7 @@ PARTS = {
     'io/headers/nifti': 'io/headers',
     'io/headers/nrrd': 'io/headers',
     'io/headers/raw': 'io/headers',
+    'io/slices/tiff': 'io/slices',
     'io/zarr/metadata': 'io/zarr',
     'io/zarr/n5': 'io/zarr',
     'io/zarr/levels': 'io/zarr',

@@ -5,7 +5,7 @@
 
 #include "io/open_volume.h"
 #include "io/slices/slice_stack.h"
-#include "io/slices/tiff_description.h"
+#include "io/slices/tiff/tiff_description.h"
 #include "src/base/sources/volume_channels.h"
 #include "src/base/sources/volume_levels.h"
 #include "tests/io/python_volumes.h"

@@ -1,4 +1,4 @@
-#include "io/slices/tiff_slice.h"
+#include "io/slices/tiff/tiff_slice.h"
 
 #include <algorithm>
 #include <array>
@@ -6,11 +6,11 @@
 #include <utility>
 #include <vector>
 
-#include "io/slices/tiff_description.h"
-#include "io/slices/tiff_page.h"
-#include "io/slices/tiff_rows.h"
-#include "io/slices/tiff_samples.h"
-#include "io/slices/tiff_stream.h"
+#include "io/slices/tiff/tiff_description.h"
+#include "io/slices/tiff/tiff_page.h"
+#include "io/slices/tiff/tiff_rows.h"
+#include "io/slices/tiff/tiff_samples.h"
+#include "io/slices/tiff/tiff_stream.h"
 #include "src/base/error.h"
 
 namespace sluice {

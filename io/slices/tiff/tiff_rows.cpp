@@ -1,4 +1,4 @@
-#include "io/slices/tiff_rows.h"
+#include "io/slices/tiff/tiff_rows.h"
 
 #include <fmt/format.h>
 

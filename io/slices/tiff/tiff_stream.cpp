@@ -1,4 +1,4 @@
-#include "io/slices/tiff_stream.h"
+#include "io/slices/tiff/tiff_stream.h"
 
 #include <algorithm>
 #include <cstdio>

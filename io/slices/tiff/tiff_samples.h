@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "io/slices/tiff_page.h"
-#include "io/slices/tiff_stream.h"
+#include "io/slices/tiff/tiff_page.h"
+#include "io/slices/tiff/tiff_stream.h"
 #include "src/base/values/voxel_type.h"
 
 namespace sluice {

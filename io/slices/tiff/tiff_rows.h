@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "io/slices/deflate_rows.h"
-#include "io/slices/tiff_page.h"
-#include "io/slices/tiff_stream.h"
+#include "io/slices/tiff/tiff_page.h"
+#include "io/slices/tiff/tiff_stream.h"
 
 namespace sluice {
 

@@ -1,4 +1,4 @@
-#include "io/slices/tiff_samples.h"
+#include "io/slices/tiff/tiff_samples.h"
 
 #include <algorithm>
 #include <cstring>

@@ -1,4 +1,4 @@
-#include "io/slices/tiff_description.h"
+#include "io/slices/tiff/tiff_description.h"
 
 #include <fmt/format.h>
 

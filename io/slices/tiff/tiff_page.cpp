@@ -1,4 +1,4 @@
-#include "io/slices/tiff_page.h"
+#include "io/slices/tiff/tiff_page.h"
 
 #include <algorithm>
 
