@@ -1,11 +1,11 @@
 #include "io/dicom/dicom_elements.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <string_view>
 
 #include "src/base/error.h"
+#include "src/base/files/number_text.h"
 
 namespace sluice {
 namespace {
@@ -113,12 +113,11 @@ std::vector<double> DicomElements::decimals(const DicomElement& element) {
     std::string_view one = trimmed(rest.substr(0, end));
     // std::from_chars() takes no plus sign, and the type DS may have one.
     if (one.starts_with('+')) one.remove_prefix(1);
-    double number = 0;
-    const auto [stopped, status] = std::from_chars(one.data(), one.data() + one.size(), number);
-    if (status != std::errc() || stopped != one.data() + one.size() || !std::isfinite(number))
+    const auto number = numberOf(one);
+    if (!number)
       fail("{}: damaged DICOM file: element {} has something else than numbers", input_.path,
            tagText(element.tag));
-    numbers.push_back(number);
+    numbers.push_back(*number);
     rest.remove_prefix(std::min(end + 1, rest.size()));
   }
   return numbers;

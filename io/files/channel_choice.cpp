@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 
 #include "src/base/error.h"
+#include "src/base/files/number_text.h"
 #include "src/base/looks/channel_look.h"
 
 namespace sluice {
@@ -76,11 +76,9 @@ std::vector<int64_t> wishedChannels(const std::string& path, const ChannelWish& 
     if (word.empty())
       failRequest("{}: --channel {}: expected a channel on both sides of each comma", path,
                   wish.text());
-    int64_t number = 0;
-    const auto [read, status] = std::from_chars(word.data(), word.data() + word.size(), number);
-    const bool is_number = status == std::errc() && read == word.data() + word.size();
-    if (is_number) requireNumber(path, number, channels);
-    add(is_number ? number : numberOf(path, word, names, channels));
+    const auto number = numberIn<int64_t>(word);
+    if (number) requireNumber(path, *number, channels);
+    add(number ? *number : numberOf(path, word, names, channels));
     at = end + 1;
   }
   if (wished.size() > kMostChannels)

@@ -11,6 +11,7 @@
 #include "io/files/file.h"
 #include "io/files/series_numbers.h"
 #include "src/base/error.h"
+#include "src/base/values/letter_case.h"
 
 namespace sluice {
 namespace {
@@ -239,7 +240,7 @@ SplitName splitAtLastNumber(std::string_view name) {
 }
 
 // The number that a name of digits stands for; nullopt for more than fits.
-std::optional<int64_t> numberOf(std::string_view digits) {
+std::optional<int64_t> numberOfDigits(std::string_view digits) {
   constexpr size_t kMostDigits = 18;
   if (digits.empty() || digits.size() > kMostDigits) return std::nullopt;
   int64_t number = 0;
@@ -280,7 +281,8 @@ std::optional<NumberedFiles> numberedFiles(const std::vector<std::filesystem::pa
   found.after = b.substr(begin + found.digits);
   for (const auto& file : files) {
     const std::string name = file.filename();
-    const auto number = name.starts_with(found.before) ? numberOf(digitsAt(name)) : std::nullopt;
+    const auto number =
+        name.starts_with(found.before) ? numberOfDigits(digitsAt(name)) : std::nullopt;
     if (!number || (!found.numbers.empty() && *number <= found.numbers.back()) ||
         name.substr(begin + digitsAt(name).size()) != found.after)
       return std::nullopt;
@@ -331,7 +333,7 @@ std::optional<std::string> gapNote(const std::vector<std::filesystem::path>& fil
   std::vector<int64_t> numbers;
   for (const std::string& name : names) {
     const SplitName split = splitAtLastNumber(name);
-    const auto number = numberOf(split.digits);
+    const auto number = numberOfDigits(split.digits);
     if (!number || split.before != first.before || split.after != first.after) return std::nullopt;
     numbers.push_back(*number);
   }
@@ -388,10 +390,7 @@ std::optional<std::string> orderByNumbers(std::vector<std::string>& names) {
 }
 
 std::string lowerExtension(const std::filesystem::path& path) {
-  std::string name = path.filename().string();
-  std::transform(name.begin(), name.end(), name.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  const std::filesystem::path lower(name);
+  const std::filesystem::path lower(lowercase(path.filename().string()));
   std::string extension = lower.extension().string();
   if (extension == ".gz") return lower.stem().extension().string() + extension;
   return extension;

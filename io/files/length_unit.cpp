@@ -1,10 +1,11 @@
 #include "io/files/length_unit.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <initializer_list>
 #include <iterator>
+
+#include "src/base/values/letter_case.h"
 
 namespace sluice {
 namespace {
@@ -37,8 +38,7 @@ constexpr std::string_view kNoUnits[] = {"",     "pixel", "pixels",  "voxel", "v
 std::string lengthUnit(std::string_view said) {
   constexpr size_t kLongest = 40;
   std::string word(said.substr(0, kLongest));
-  std::string lower = word;
-  for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  const std::string lower = lowercase(word);
   if (std::ranges::find(kNoUnits, lower) != std::end(kNoUnits)) return "";
   for (const Unit& unit : kUnits)
     if (std::find(unit.spellings.begin(), unit.spellings.end(), lower) != unit.spellings.end())

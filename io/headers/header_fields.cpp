@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <utility>
+
+#include "src/base/files/number_text.h"
+#include "src/base/values/letter_case.h"
 
 namespace sluice {
 namespace {
@@ -16,10 +18,7 @@ template <class T>
 std::optional<T> parseAll(std::string_view text) {
   // std::from_chars() takes no plus sign.
   if (text.size() > 1 && text[0] == '+' && text[1] != '-') text.remove_prefix(1);
-  T value{};
-  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (status != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return value;
+  return numberIn<T>(text);
 }
 
 }  // namespace
@@ -28,13 +27,6 @@ std::string_view trimmed(std::string_view text) {
   const size_t begin = text.find_first_not_of(kWhite);
   if (begin == std::string_view::npos) return {};
   return text.substr(begin, text.find_last_not_of(kWhite) - begin + 1);
-}
-
-std::string lowercase(std::string_view text) {
-  std::string lower(text);
-  for (char& c : lower)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return lower;
 }
 
 std::vector<std::string_view> splitWords(std::string_view text) {

@@ -13,8 +13,6 @@ namespace sluice {
 
 // The text without white space at both ends.
 std::string_view trimmed(std::string_view text);
-// ASCII letters only.
-std::string lowercase(std::string_view text);
 // The words between runs of spaces and tabs.
 std::vector<std::string_view> splitWords(std::string_view text);
 

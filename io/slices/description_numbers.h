@@ -1,7 +1,6 @@
 // Fields of a TIFF's description, and the numbers in them.
 #pragma once
 
-#include <charconv>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -9,6 +8,7 @@
 #include <string_view>
 
 #include "io/slices/page_order.h"
+#include "src/base/files/number_text.h"
 
 namespace sluice {
 
@@ -19,15 +19,6 @@ using Fields = std::map<std::string, std::string, std::less<>>;
 inline std::string fieldOf(const Fields& fields, std::string_view name) {
   const auto found = fields.find(name);
   return found == fields.end() ? "" : found->second;
-}
-
-// The number that the whole text is; nullopt: it is none, or T cannot hold it.
-template <class T>
-std::optional<T> numberIn(std::string_view text) {
-  T value{};
-  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (status != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return value;
 }
 
 // A count of 1 or more; 1 if the field is missing or makes no sense.

@@ -4,13 +4,13 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <chrono>
 #include <utility>
 #include <vector>
 
 #include "io/web/redirect.h"
 #include "src/base/error.h"
+#include "src/base/files/number_text.h"
 #include "src/base/threads/threads.h"
 
 namespace sluice {
@@ -31,21 +31,14 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(" \t\r\n") + 1 - first);
 }
 
-std::optional<uint64_t> numberIn(std::string_view text) {
-  uint64_t value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return value;
-}
-
 // "bytes 5-9/100", or "bytes */100"
 void takeContentRange(std::string_view value, HttpHead& head) {
   if (!value.starts_with("bytes ")) return;
   value.remove_prefix(6);
   const size_t slash = value.find('/');
   if (slash == std::string_view::npos) return;
-  head.first_byte = numberIn(value.substr(0, value.find('-')));
-  head.whole = numberIn(value.substr(slash + 1));
+  head.first_byte = numberIn<uint64_t>(value.substr(0, value.find('-')));
+  head.whole = numberIn<uint64_t>(value.substr(slash + 1));
 }
 
 // A stamp is an ETag, which is quoted, or a time.
@@ -94,7 +87,7 @@ void takeHeaderLine(std::string_view line, HttpHead& head) {
     head = {};
     const size_t space = std::min(line.find(' '), line.size());
     const std::string_view status = line.substr(std::min(space + 1, line.size())).substr(0, 3);
-    head.status = static_cast<int>(numberIn(status).value_or(0));
+    head.status = static_cast<int>(numberIn<uint64_t>(status).value_or(0));
     return;
   }
   const size_t colon = line.find(':');
@@ -104,11 +97,12 @@ void takeHeaderLine(std::string_view line, HttpHead& head) {
   for (char& c : name)
     if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
   const std::string_view value = trimmed(line.substr(colon + 1));
-  if (name == "content-length") head.length = numberIn(value);
+  if (name == "content-length") head.length = numberIn<uint64_t>(value);
   if (name == "content-range") takeContentRange(value, head);
   if (name == "etag") head.stamp = value;
   if (name == "last-modified" && head.stamp.empty()) head.stamp = value;
-  if (name == "retry-after") head.retry_after_s = static_cast<double>(numberIn(value).value_or(0));
+  if (name == "retry-after")
+    head.retry_after_s = static_cast<double>(numberIn<uint64_t>(value).value_or(0));
   if (name == "content-encoding") head.is_encoded = value != "identity";
 }
 

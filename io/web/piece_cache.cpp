@@ -10,7 +10,6 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <charconv>
 #include <cstdio>
 #include <cstring>
 #include <system_error>
@@ -18,6 +17,7 @@
 #include <vector>
 
 #include "src/base/error.h"
+#include "src/base/files/number_text.h"
 
 namespace sluice {
 namespace {
@@ -65,11 +65,8 @@ class Usage {
   std::optional<uint64_t> read() const {
     std::array<char, 32> text{};
     const ssize_t got = pread(file_.get(), text.data(), text.size(), 0);
-    uint64_t bytes = 0;
     if (got < 2 || text[static_cast<size_t>(got) - 1] != '\n') return std::nullopt;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + got - 1, bytes);
-    if (error != std::errc() || end != text.data() + got - 1) return std::nullopt;
-    return bytes;
+    return numberIn<uint64_t>({text.data(), static_cast<size_t>(got) - 1});
   }
   // The text always has one length, so that no old digit stays. Throws Error, "<what>: <reason>".
   void write(uint64_t bytes, const std::string& what) const {

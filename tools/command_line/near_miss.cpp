@@ -1,15 +1,11 @@
 #include "tools/command_line/near_miss.h"
 
 #include <algorithm>
-#include <cctype>
+
+#include "src/base/values/letter_case.h"
 
 namespace sluice {
 namespace {
-
-std::string lowered(std::string word) {
-  for (char& c : word) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return word;
-}
 
 std::string withoutDashes(const std::string& word) {
   const size_t first = word.find_first_not_of('-');
@@ -19,7 +15,7 @@ std::string withoutDashes(const std::string& word) {
 }  // namespace
 
 size_t editDistance(const std::string& one, const std::string& other) {
-  const std::string a = lowered(one), b = lowered(other);
+  const std::string a = lowercase(one), b = lowercase(other);
   // Row i holds the distances of a's first i letters to all beginnings of b.
   std::vector<size_t> before_last, last, row(b.size() + 1);
   for (size_t j = 0; j <= b.size(); ++j) row[j] = j;

@@ -1,21 +1,18 @@
 #include "tools/pages/report_file.h"
 
 #include <algorithm>
-#include <cctype>
 
 #include "io/files/file.h"
 #include "io/pictures/png_file.h"
 #include "src/base/files/atomic_file.h"
+#include "src/base/values/letter_case.h"
 #include "tools/outputs/picture_output.h"
 #include "tools/pages/block_map.h"
 
 namespace sluice {
 
 bool isPage(const std::filesystem::path& file) {
-  std::string end = file.extension().string();
-  std::transform(end.begin(), end.end(), end.begin(), [](char letter) {
-    return static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
-  });
+  const std::string end = lowercase(file.extension().string());
   return end == ".html" || end == ".htm";
 }
 

@@ -11,6 +11,7 @@
 #include "io/files/length_unit.h"
 #include "io/headers/header_fields.h"
 #include "src/base/error.h"
+#include "src/base/values/letter_case.h"
 
 namespace sluice {
 namespace {

@@ -4,6 +4,7 @@
 #include <array>
 
 #include "io/headers/header_fields.h"
+#include "src/base/values/letter_case.h"
 
 namespace sluice {
 namespace {

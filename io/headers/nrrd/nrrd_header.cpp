@@ -13,6 +13,7 @@
 #include "io/headers/header_fields.h"
 #include "io/headers/nrrd/nrrd_fields.h"
 #include "src/base/error.h"
+#include "src/base/values/letter_case.h"
 
 namespace sluice {
 namespace {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "io/headers/header_fields.h"
+#include "src/base/values/letter_case.h"
 
 namespace sluice {
 namespace {

@@ -9,6 +9,7 @@
 #include "io/zarr/metadata/omero_channels.h"
 #include "src/base/error.h"
 #include "src/base/files/json_field.h"
+#include "src/base/values/letter_case.h"
 
 namespace sluice {
 namespace {
@@ -220,9 +221,7 @@ bool areAllNamed(const JsonField& names) {
 enum class Role { kX, kY, kZ, kTime, kChannel, kSomeSpace };
 
 std::optional<Role> roleOf(const ZarrAxis& axis) {
-  std::string name = axis.name;
-  std::transform(name.begin(), name.end(), name.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string name = lowercase(axis.name);
   const bool space = axis.type.empty() || axis.type == "space";
   if (axis.type == "time" || (axis.type.empty() && (name == "t" || name == "time")))
     return Role::kTime;

@@ -1,7 +1,6 @@
 #include "io/zarr/reading/zarr_chunk_files.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cstring>
 #include <map>
 #include <utility>
@@ -11,6 +10,7 @@
 #include "io/zarr/reading/crc32c.h"
 #include "io/zarr/reading/zarr_codec.h"
 #include "src/base/error.h"
+#include "src/base/files/number_text.h"
 #include "src/base/values/number_set.h"
 
 namespace sluice {
@@ -31,13 +31,10 @@ constexpr uint64_t mostStoredBytes(uint64_t chunk_bytes) {
 
 // A number as it stands in a chunk's name: digits alone, no leading zero, below `end`.
 std::optional<int64_t> indexIn(std::string_view text, int64_t end) {
-  int64_t value = 0;
-  const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || stop != text.data() + text.size() || value < 0 || value >= end ||
-      // A name such as 007 is no chunk's.
-      std::to_string(value) != text)
-    return std::nullopt;
-  return value;
+  const auto value = numberIn<int64_t>(text);
+  // A name such as 007 is no chunk's.
+  const bool is_index = value && *value >= 0 && *value < end && std::to_string(*value) == text;
+  return is_index ? value : std::nullopt;
 }
 
 // Throws Error, naming the file, unless the CRC32C at the end of `stored` is that of the rest.

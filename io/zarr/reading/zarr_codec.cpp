@@ -12,6 +12,7 @@
 #include <string_view>
 
 #include "src/base/error.h"
+#include "src/base/values/letter_case.h"
 
 namespace sluice {
 namespace {
@@ -46,9 +47,7 @@ void decodeBlosc(std::span<const std::byte> stored, std::span<std::byte> chunk,
   if (got >= 0 && static_cast<size_t>(got) == chunk.size()) return;
   const char* inside = blosc_cbuffer_complib(stored.data());
   const std::string_view known = blosc_list_compressors();
-  std::string name = inside == nullptr ? "unknown" : inside;
-  std::transform(name.begin(), name.end(), name.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string name = lowercase(inside == nullptr ? "unknown" : inside);
   if (known.find(name) == std::string_view::npos)
     fail("{}: compressed with {} inside Blosc, this machine's Blosc has {}", path, name, known);
   fail("{}: expected {} bytes of Blosc with {} inside, found damaged ones", path, chunk.size(),

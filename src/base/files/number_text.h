@@ -1,4 +1,4 @@
-// A finite number that is all of a text.
+// The number that all of a text is.
 #pragma once
 
 #include <charconv>
@@ -8,13 +8,21 @@
 
 namespace sluice {
 
-// nullopt: the text is no number, more than one, or not finite.
-inline std::optional<double> numberOf(std::string_view text) {
-  double value = 0;
+// nullopt: the text is no number, more than one, or T cannot hold it. Takes no plus sign; "nan" and
+// "inf" are numbers.
+template <class T>
+std::optional<T> numberIn(std::string_view text) {
+  T value{};
   const char* end = text.data() + text.size();
   const auto [read, status] = std::from_chars(text.data(), end, value);
-  if (status != std::errc() || read != end || !std::isfinite(value)) return std::nullopt;
+  if (status != std::errc() || read != end) return std::nullopt;
   return value;
+}
+
+// The same for a finite number.
+inline std::optional<double> numberOf(std::string_view text) {
+  const auto value = numberIn<double>(text);
+  return value && std::isfinite(*value) ? value : std::nullopt;
 }
 
 }  // namespace sluice

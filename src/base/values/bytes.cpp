@@ -3,10 +3,11 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <limits>
+
+#include "src/base/values/letter_case.h"
 
 namespace sluice {
 
@@ -15,8 +16,7 @@ namespace {
 // The power of 1024 that a unit stands for: "" and "B" 0, "k", "KB" and "KiB" 1; -1 when none.
 int powerOf(std::string_view unit) {
   if (unit.empty()) return 0;
-  std::string lower(unit);
-  for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  std::string lower = lowercase(unit);
   const size_t power = std::string_view("bkmgt").find(lower.front());
   if (power == std::string_view::npos) return -1;
   lower.erase(0, 1);

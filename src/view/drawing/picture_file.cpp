@@ -1,25 +1,14 @@
 #include "src/view/drawing/picture_file.h"
 
-#include <cctype>
 #include <filesystem>
 
 #include "src/base/error.h"
+#include "src/base/values/letter_case.h"
 #include "src/options/option_rules.h"
 
 namespace sluice {
-namespace {
-
-std::string endOf(const std::string& path) {
-  std::string end = std::filesystem::path(path).extension().string();
-  for (char& letter : end)
-    letter = static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
-  return end;
-}
-
-}  // namespace
-
 void requirePictureName(const std::string& path) {
-  const std::string end = endOf(path);
+  const std::string end = lowercase(std::filesystem::path(path).extension().string());
   if (end != ".png" && end != ".exr") failRequest("{}: pictures are written as .png or .exr", path);
 }
 

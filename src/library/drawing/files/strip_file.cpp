@@ -1,10 +1,10 @@
 #include "src/library/drawing/files/strip_file.h"
 
 #include <algorithm>
-#include <cctype>
 #include <utility>
 
 #include "src/base/error.h"
+#include "src/base/values/letter_case.h"
 #include "src/library/drawing/cost/picture_memory.h"
 
 namespace sluice {
@@ -27,9 +27,7 @@ Picture rowsFrom(const Picture& picture, int first, int count) {
 }  // namespace
 
 std::optional<PictureKind> pictureKind(const std::filesystem::path& path) {
-  std::string extension = path.extension().string();
-  for (char& letter : extension)
-    letter = static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
+  const std::string extension = lowercase(path.extension().string());
   if (extension == ".png") return PictureKind::kPng;
   if (extension == ".exr") return PictureKind::kExr;
   return std::nullopt;

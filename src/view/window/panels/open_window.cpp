@@ -4,12 +4,12 @@
 #include <imgui_stdlib.h>
 
 #include <algorithm>
-#include <cctype>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <utility>
 #include <vector>
 
+#include "src/base/values/letter_case.h"
 #include "src/view/window/panels/panels.h"
 
 namespace sluice {
@@ -17,13 +17,9 @@ namespace {
 
 constexpr float kWidth = 640, kListHeight = 300;
 
-char lower(char letter) {
-  return static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
-}
-
 bool holds(const std::string& name, const std::string& part) {
   return std::search(name.begin(), name.end(), part.begin(), part.end(),
-                     [](char a, char b) { return lower(a) == lower(b); }) != name.end();
+                     [](char a, char b) { return lowercase(a) == lowercase(b); }) != name.end();
 }
 
 bool isPath(const std::string& typed) {
