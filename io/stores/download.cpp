@@ -96,7 +96,7 @@ class Download {
  private:
   std::optional<Downloaded> runLocked(const std::optional<Known>& known) {
     uint64_t there = bytesThere();
-    // known->name| Another object, or one that cannot be asked for in parts, is begun anew.
+    // Another object, or one that cannot be asked for in parts, is begun anew.
     if (!known || known->name != name_ || known->bytes < there || known->comes_whole) there = 0;
     if (there > 0 && there == known->bytes) {
       // All was read, and only the check and the new name are missing.

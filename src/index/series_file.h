@@ -2,7 +2,7 @@
 // src/index/index_file.h documents where an index is kept and how a torn file is rejected.
 //
 // Bytes are validated as if they came from anyone: functions have the sizes that their blocks have,
-// spans ascend, and the tree is the one that follows from the spans. In this machine's byte order.
+// spans ascend, and the tree is the one that follows from the spans.
 // Numbers are in this machine's byte order.
 #pragma once
 

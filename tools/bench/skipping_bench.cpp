@@ -14,9 +14,6 @@
 namespace sluice {
 namespace {
 
-// Frames before the first measured one of a way: one here, and one before each, which changes the
-// plan.
-
 struct SkippingWay {
   const char* name;
   Algorithm algorithm;
