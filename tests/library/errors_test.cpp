@@ -15,6 +15,7 @@
 #include "src/base/field_names.h"
 #include "src/options/option_table.h"
 #include "tests/library/library_support.h"
+#include "tests/support/temp_folder.h"
 
 namespace sluice {
 namespace {
@@ -23,12 +24,6 @@ using testing::HasSubstr;
 using testing::Not;
 
 namespace fs = std::filesystem;
-
-std::string contentOf(const fs::path& path) {
-  std::ostringstream text;
-  text << std::ifstream(path).rdbuf();
-  return text.str();
-}
 
 TEST(FieldNames, standForOptionsInALine) {
   EXPECT_EQ(inFields("--memory 64M is too small; give --memory 96M or fewer --pages"),
@@ -62,7 +57,7 @@ std::set<std::string> optionsInMessages() {
     for (auto at = fs::recursive_directory_iterator(root / part); at != fs::end(at); ++at) {
       if (at->is_directory() && others.contains(at->path())) at.disable_recursion_pending();
       if (at->path().extension() != ".cpp" && at->path().extension() != ".h") continue;
-      std::istringstream lines(contentOf(at->path()));
+      std::istringstream lines(readFile(at->path()));
       for (std::string line; std::getline(lines, line);) {
         const std::string code = line.substr(0, line.find("//"));
         if (code.find('"') == std::string::npos) continue;
@@ -89,7 +84,7 @@ TEST(FieldNames, areKnownForEachOptionInAMessage) {
 TEST(FieldNames, areMembersOfTheHeaders) {
   std::string headers;
   for (const auto& file : fs::directory_iterator(fs::path(SLUICE_SOURCE_DIR) / "include/sluice"))
-    headers += contentOf(file.path());
+    headers += readFile(file.path());
   std::set<std::string> options = optionsInMessages();
   for (const OptionEntry& entry : optionTable())
     for (const std::string_view name : optionNames(entry)) options.emplace(name);

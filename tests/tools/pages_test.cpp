@@ -3,10 +3,10 @@
 
 #include <filesystem>
 #include <fstream>
-#include <sstream>
 #include <string>
 
 #include "io/pictures/png_file.h"
+#include "tests/support/temp_folder.h"
 #include "tests/tools/program.h"
 #include "tools/pages/block_map.h"
 #include "tools/pages/compare_page.h"
@@ -127,49 +127,42 @@ TEST(ComparePage, putsEachNumberAgainstTheFirstRuns) {
   EXPECT_NE(page.find("&lt;b&gt;.raw.fps.ess: longer is faster"), std::string::npos);
 }
 
-std::string textOf(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  std::stringstream text;
-  text << in.rdbuf();
-  return text.str();
-}
-
 TEST(Pages, areWrittenWhereTheNameOfAReportSaysSo) {
   const Program program;
   const std::string render =
       std::string("render ") + kSmall + " --threshold 60 -o p.png --size 40x40 -q ";
   ASSERT_EQ(program.run(render + "--report r.HTML").status, 0);
-  const std::string text = textOf(program.folder / "r.HTML");
+  const std::string text = readFile(program.folder / "r.HTML");
   EXPECT_TRUE(text.starts_with("<!DOCTYPE html>"));
   // The very picture that was written.
-  const std::string png = textOf(program.folder / "p.png");
+  const std::string png = readFile(program.folder / "p.png");
   EXPECT_NE(text.find(dataUri("image/png", std::as_bytes(std::span(png)))), std::string::npos);
   for (const char* part :
        {"Options and results", "Time by stage", "The four levels", "Blocks by class"})
     EXPECT_NE(text.find(part), std::string::npos) << part;
   ASSERT_EQ(program.run(render + "--report r.json").status, 0);
-  EXPECT_EQ(json::parse(textOf(program.folder / "r.json"))["command"], "render");
+  EXPECT_EQ(json::parse(readFile(program.folder / "r.json"))["command"], "render");
   // Somebody's notes are not replaced.
   std::ofstream(program.folder / "notes.html") << "notes";
   EXPECT_EQ(program.run(render + "--report notes.html").status, 1);
-  EXPECT_EQ(textOf(program.folder / "notes.html"), "notes");
+  EXPECT_EQ(readFile(program.folder / "notes.html"), "notes");
 }
 
 TEST(Pages, ofPlansAndSimulations) {
   const Program program;
   ASSERT_EQ(
       program.run(std::string("plan ") + kSmall + " --threshold 60 -q --report p.html").status, 0);
-  EXPECT_NE(textOf(program.folder / "p.html").find("Blocks by class"), std::string::npos);
+  EXPECT_NE(readFile(program.folder / "p.html").find("Blocks by class"), std::string::npos);
   ASSERT_EQ(program
                 .run(std::string("simulate ") + kSmall +
                      " --threshold 60 -q --report s.html --html t.html")
                 .status,
             0);
-  EXPECT_EQ(textOf(program.folder / "s.html"), textOf(program.folder / "t.html"));
+  EXPECT_EQ(readFile(program.folder / "s.html"), readFile(program.folder / "t.html"));
   ASSERT_EQ(
       program.run(std::string("simulate ") + kSmall + " --threshold 60 -q --report s.json").status,
       0);
-  EXPECT_EQ(json::parse(textOf(program.folder / "s.json"))["command"], "simulate");
+  EXPECT_EQ(json::parse(readFile(program.folder / "s.json"))["command"], "simulate");
 }
 
 }  // namespace
