@@ -181,6 +181,12 @@ std::string_view name(IndexState state) {
   return kNames[static_cast<size_t>(state)];
 }
 
+std::string_view name(IndexOrigin origin) {
+  constexpr std::array<std::string_view, 4> kNames = {"read", "built", "built, not kept",
+                                                      "not made"};
+  return kNames[static_cast<size_t>(origin)];
+}
+
 IndexRead readIndex(const IndexPlaces& places, const IndexKey& key) {
   IndexRead result;
   if (places.disabled) result.state = IndexState::kDisabled;

@@ -72,6 +72,15 @@ struct IndexWritten {
   std::filesystem::path path;  // empty when it could be written nowhere
   std::string note;            // why it could not, in one short line; empty otherwise
 };
+// How a caller came by the content of an index.
+enum class IndexOrigin { kRead, kBuilt, kBuiltNotKept, kNotMade };
+// "read", "built", "built, not kept", "not made".
+std::string_view name(IndexOrigin origin);
+// The origin of a content that was built and written to `path`, which is empty if it is not kept.
+inline IndexOrigin builtOrigin(const std::filesystem::path& path) {
+  return path.empty() ? IndexOrigin::kBuiltNotKept : IndexOrigin::kBuilt;
+}
+
 // Writes to the one place, whole or not at all.
 IndexWritten writeIndex(const IndexPlaces& places, const IndexKey& key,
                         std::span<const std::byte> blob);

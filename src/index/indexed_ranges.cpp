@@ -90,7 +90,7 @@ bool readKept(const VolumeSource& source, const IndexPlaces& places, const Index
   result.ranges = std::move(found->ranges);
   result.bricks = std::move(found->bricks);
   result.path = result.ranges.index_file = std::move(kept.path);
-  result.state = "read";
+  result.origin = IndexOrigin::kRead;
   return true;
 }
 
@@ -173,7 +173,7 @@ IndexedRanges indexedRanges(VolumeSource& source, const IndexPlaces& places, int
   // An index that cannot be kept is no failure: the next opening makes it anew.
   IndexWritten written = writeIndex(places, key, bytesOf(result.ranges, result.bricks));
   result.path = std::move(written.path);
-  result.state = result.path.empty() ? "built, not kept" : "built";
+  result.origin = builtOrigin(result.path);
   addNote(result.note, written.note);
   return result;
 }

@@ -22,7 +22,7 @@ struct IndexedRanges {
   SliceRanges ranges;
   BrickRanges bricks;          // the same for any size of block
   std::filesystem::path path;  // the index file; empty when none could be kept
-  std::string state;           // "read", "built", "built, not kept" or "not made"
+  IndexOrigin origin = IndexOrigin::kNotMade;
   // A line for people that tells why an older index was not believed or why this one was not kept.
   // Empty when the index was read, or built where it belongs.
   std::string note;

@@ -82,7 +82,7 @@ void expectSameRanges(const SliceRanges& a, const SliceRanges& b) {
 TEST_F(IndexedRangesTest, firstOpeningBuildsTheIndexInTheUsersCacheFolder) {
   const auto source = open();
   const IndexedRanges first = indexed(*source);
-  EXPECT_EQ(first.state, "built");
+  EXPECT_EQ(first.origin, IndexOrigin::kBuilt);
   EXPECT_THAT(first.note, IsEmpty());
   EXPECT_NE(first.path.parent_path().parent_path(), path_.parent_path()) << "no litter";
   EXPECT_EQ(first.path, onlyIndex());
@@ -94,7 +94,7 @@ TEST_F(IndexedRangesTest, secondOpeningReadsNoVoxel) {
   const auto second_source = open();
   CountingSource counted(*second_source);
   const IndexedRanges second = indexed(counted);
-  EXPECT_EQ(second.state, "read");
+  EXPECT_EQ(second.origin, IndexOrigin::kRead);
   EXPECT_THAT(second.note, IsEmpty());
   EXPECT_EQ(second.path, first.path);
   EXPECT_EQ(counted.counts().calls, 0);
@@ -109,10 +109,10 @@ TEST_F(IndexedRangesTest, changedVolumeIsIndexedAnew) {
       path_, std::filesystem::last_write_time(path_) + std::chrono::seconds(1));
   const auto source = open();
   const IndexedRanges changed = indexed(*source);
-  EXPECT_EQ(changed.state, "built");
+  EXPECT_EQ(changed.origin, IndexOrigin::kBuilt);
   EXPECT_THAT(changed.note, HasSubstr("of another state of the volume"));
   EXPECT_NE(changed.ranges.planes, old.ranges.planes);
-  EXPECT_EQ(indexed(*source).state, "read");
+  EXPECT_EQ(indexed(*source).origin, IndexOrigin::kRead);
 }
 
 TEST_F(IndexedRangesTest, aFileReplacedWithItsTimeRestoredIsIndexedAnew) {
@@ -123,7 +123,7 @@ TEST_F(IndexedRangesTest, aFileReplacedWithItsTimeRestoredIsIndexedAnew) {
   std::filesystem::last_write_time(path_, time);
   const auto source = open();
   const IndexedRanges changed = indexed(*source);
-  EXPECT_EQ(changed.state, "built");
+  EXPECT_EQ(changed.origin, IndexOrigin::kBuilt);
   EXPECT_NE(changed.ranges.planes, old.ranges.planes);
 }
 
@@ -133,14 +133,14 @@ TEST_F(IndexedRangesTest, channelsHaveIndicesOfTheirOwn) {
   layout.channels = 2;
   WorkerPool pool(2);
   ProgressMeter quiet;
-  for (const char* state : {"built", "read"})
+  for (const IndexOrigin origin : {IndexOrigin::kBuilt, IndexOrigin::kRead})
     for (int64_t channel = 0; channel < 2; ++channel) {
       layout.channel = channel;
       FunctionSource source(
           layout, [channel](int64_t, Vec3i p) { return static_cast<double>(p.x * (channel + 1)); });
       const IndexedRanges found = indexedRanges(source, indexPlaces(path_.string(), wish_), 0,
                                                 blockLayout(layout.dims, 8, 0), pool, quiet);
-      EXPECT_EQ(found.state, state) << channel;
+      EXPECT_EQ(found.origin, origin) << channel;
       EXPECT_EQ(found.ranges.device_range.hi, static_cast<double>(11 * (channel + 1)));
     }
 }
@@ -154,23 +154,23 @@ TEST_F(IndexedRangesTest, damagedIndexIsRebuilt) {
     damaged[at] = static_cast<char>(damaged[at] ^ 4);
     writeFile(first.path, damaged);
     const IndexedRanges again = indexed(*source);
-    EXPECT_EQ(again.state, "built") << at;
+    EXPECT_EQ(again.origin, IndexOrigin::kBuilt) << at;
     EXPECT_THAT(again.note, HasSubstr(first.path.string())) << at;
     expectSameRanges(again.ranges, first.ranges);
     EXPECT_EQ(readFile(first.path), bytes);
   }
   writeFile(first.path, bytes.substr(0, bytes.size() / 3));
-  EXPECT_EQ(indexed(*source).state, "built");
-  EXPECT_EQ(indexed(*source).state, "read");
+  EXPECT_EQ(indexed(*source).origin, IndexOrigin::kBuilt);
+  EXPECT_EQ(indexed(*source).origin, IndexOrigin::kRead);
 }
 
 TEST_F(IndexedRangesTest, blockSizesAndGhostLayersHaveIndicesOfTheirOwn) {
   const auto source = open();
   for (const auto& [size, ghost] : {std::pair{8, 0}, {16, 0}, {8, 1}})
-    EXPECT_EQ(indexed(*source, size, ghost).state, "built");
+    EXPECT_EQ(indexed(*source, size, ghost).origin, IndexOrigin::kBuilt);
   for (const auto& [size, ghost] : {std::pair{8, 0}, {16, 0}, {8, 1}}) {
     const IndexedRanges again = indexed(*source, size, ghost);
-    EXPECT_EQ(again.state, "read");
+    EXPECT_EQ(again.origin, IndexOrigin::kRead);
     EXPECT_EQ(again.ranges.layout.size, size);
     EXPECT_EQ(again.ranges.layout.ghost, ghost);
   }
@@ -178,10 +178,10 @@ TEST_F(IndexedRangesTest, blockSizesAndGhostLayersHaveIndicesOfTheirOwn) {
 
 TEST_F(IndexedRangesTest, twoWaysToReadOneFileDoNotPushEachOtherOut) {
   const auto given = open(), turned = open(Vec3i{20, 25, 30});
-  EXPECT_EQ(indexed(*given).state, "built");
-  EXPECT_EQ(indexed(*turned).state, "built");
-  EXPECT_EQ(indexed(*given).state, "read");
-  EXPECT_EQ(indexed(*turned).state, "read");
+  EXPECT_EQ(indexed(*given).origin, IndexOrigin::kBuilt);
+  EXPECT_EQ(indexed(*turned).origin, IndexOrigin::kBuilt);
+  EXPECT_EQ(indexed(*given).origin, IndexOrigin::kRead);
+  EXPECT_EQ(indexed(*turned).origin, IndexOrigin::kRead);
   EXPECT_NE(indexed(*given).ranges.blocks, indexed(*turned).ranges.blocks);
 }
 
@@ -194,11 +194,11 @@ TEST_F(IndexedRangesTest, timeStepsHaveIndicesOfTheirOwn) {
   WorkerPool pool(2);
   const BlockLayout blocks = blockLayout(layout.dims, 8, 0);
   ProgressMeter quiet;
-  for (const char* state : {"built", "read"})
+  for (const IndexOrigin origin : {IndexOrigin::kBuilt, IndexOrigin::kRead})
     for (int64_t time = 0; time < 2; ++time) {
       const IndexedRanges found =
           indexedRanges(source, indexPlaces(path_.string(), wish_), time, blocks, pool, quiet);
-      EXPECT_EQ(found.state, state) << time;
+      EXPECT_EQ(found.origin, origin) << time;
       EXPECT_EQ(found.ranges.device_range.hi, static_cast<double>(11 * (time + 1)));
     }
 }
@@ -210,7 +210,7 @@ TEST_F(IndexedRangesTest, anIndexBesideTheVolumeIsStillFound) {
   EXPECT_EQ(built.path.parent_path().string(), path_.string() + ".sluice-index");
   wish_.beside = false;
   const IndexedRanges read = indexed(*source);
-  EXPECT_EQ(read.state, "read");
+  EXPECT_EQ(read.origin, IndexOrigin::kRead);
   EXPECT_EQ(read.path, built.path);
 }
 
@@ -220,7 +220,7 @@ TEST_F(IndexedRangesTest, noPlaceAtAllIsNoFailureAndOneShortLine) {
   const auto source = open();
   for (int opening = 0; opening < 2; ++opening) {
     const IndexedRanges built = indexed(*source);
-    EXPECT_EQ(built.state, "built, not kept");
+    EXPECT_EQ(built.origin, IndexOrigin::kBuiltNotKept);
     EXPECT_TRUE(built.path.empty());
     EXPECT_THAT(built.note, testing::StartsWith("no index is kept: "));
     EXPECT_THAT(built.note, HasSubstr((folder_ / "cache").string()));
@@ -233,7 +233,7 @@ TEST_F(IndexedRangesTest, theUserMayTurnItOff) {
   wish_.disabled = true;
   const auto source = open();
   const IndexedRanges built = indexed(*source);
-  EXPECT_EQ(built.state, "built, not kept");
+  EXPECT_EQ(built.origin, IndexOrigin::kBuiltNotKept);
   EXPECT_THAT(built.note, HasSubstr("SLUICE_INDEX"));
   EXPECT_EQ(filesBelow(folder_.path()), (std::set<std::filesystem::path>{path_}));
 }
@@ -246,10 +246,11 @@ TEST_F(IndexedRangesTest, syntheticVolumesAreKeptInTheCacheFolder) {
   ProgressMeter quiet;
   const IndexedRanges built =
       indexedRanges(*source, indexPlaces(spec, wish_), 0, layout, pool, quiet);
-  EXPECT_EQ(built.state, "built");
+  EXPECT_EQ(built.origin, IndexOrigin::kBuilt);
   EXPECT_TRUE(built.path.string().starts_with((folder_ / "cache").string())) << built.path;
   CountingSource counted(*source);
-  EXPECT_EQ(indexedRanges(counted, indexPlaces(spec, wish_), 0, layout, pool, quiet).state, "read");
+  EXPECT_EQ(indexedRanges(counted, indexPlaces(spec, wish_), 0, layout, pool, quiet).origin,
+            IndexOrigin::kRead);
   EXPECT_EQ(counted.counts().calls, 0);
 }
 
@@ -258,7 +259,7 @@ TEST_F(IndexedRangesTest, failedPassKeepsNothing) {
   FailingSource failing(*source, FailingSource::Failure::kError, 1);
   EXPECT_THROW(indexed(failing), Error);
   EXPECT_EQ(filesBelow(folder_.path()), (std::set<std::filesystem::path>{path_}));
-  EXPECT_EQ(indexed(*source).state, "built");
+  EXPECT_EQ(indexed(*source).origin, IndexOrigin::kBuilt);
 }
 
 }  // namespace

@@ -122,11 +122,11 @@ TEST(StaleCheck, theIndicesOfTheVolumeAreRemoved) {
   const auto indexed = [&](VolumeSource& source) {
     return indexedRanges(source, places, 0, blocks, pool, quiet);
   };
-  EXPECT_EQ(indexed(before).state, "built");
+  EXPECT_EQ(indexed(before).origin, IndexOrigin::kBuilt);
   writeIndex(places, {before.identity(), "boxes", 1}, {});
   // The identity of a FunctionSource is its name: the change goes unseen.
   const IndexedRanges stale = indexed(after);
-  ASSERT_EQ(stale.state, "read");
+  ASSERT_EQ(stale.origin, IndexOrigin::kRead);
   EXPECT_EQ(stale.ranges.index_file, stale.path);
   Checked volume(before, after, blocks);
   volume.ranges->index_file = stale.path;
@@ -137,7 +137,7 @@ TEST(StaleCheck, theIndicesOfTheVolumeAreRemoved) {
                       "was indexed"),
             HasSubstr("was removed: give the same command again")));
   EXPECT_TRUE(std::filesystem::is_empty(stale.path.parent_path()));
-  EXPECT_EQ(indexed(after).state, "built");
+  EXPECT_EQ(indexed(after).origin, IndexOrigin::kBuilt);
 }
 
 // Passes over the voxels that do not go through the volume buffer: one voxel of a step, or of a

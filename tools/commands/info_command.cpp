@@ -137,7 +137,7 @@ void print(const IndexedVolume& volume, const ChosenLook& look) {
   if (ranges.mayHoldNumbers())
     say("  look {}: {}{}\n", look.transfer.name, look.options(),
         layout.time_steps > 1 ? " (of this step; a picture uses the range of all steps)" : "");
-  say("  index {}{}{}\n", volume.index->state, volume.index->path.empty() ? "" : ": ",
+  say("  index {}{}{}\n", name(volume.index->origin), volume.index->path.empty() ? "" : ": ",
       volume.index->path.string());
 }
 

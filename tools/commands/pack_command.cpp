@@ -196,7 +196,7 @@ int pack(const PackArguments& arguments) {
          {{"pack", report.pack_seconds},
           {"verify", report.verify_seconds},
           {"index", index_seconds}}},
-        {"index", {{"path", index.path.string()}, {"state", index.state}}},
+        {"index", {{"path", index.path.string()}, {"state", name(index.origin)}}},
         {"peak_rss_bytes", peakResidentBytes()}};
     sayJson(json);
     return 0;
@@ -215,7 +215,7 @@ int pack(const PackArguments& arguments) {
       options.verify ? ", all equal to the volume" : "");
   say("  {} as {}: {:.2f} to 1, in {:.1f} s\n", formatBytes(report.voxel_bytes),
       formatBytes(report.stored_bytes), ratio, report.pack_seconds + report.verify_seconds);
-  say("  index {}{}{}{}\n", index.state, index.path.empty() ? "" : ": ", index.path.string(),
+  say("  index {}{}{}{}\n", name(index.origin), index.path.empty() ? "" : ": ", index.path.string(),
       index.note.empty() ? "" : " (" + index.note + ")");
   return 0;
 }

@@ -56,7 +56,7 @@ nlohmann::json reportOf(const SeriesFunctions& functions, const CLI::App& app) {
             {"tree", pass.tree_seconds}}},
           {"exponent", functions.exponent},
           {"exponents", functions.exponents},
-          {"state", functions.state},
+          {"state", name(functions.origin)},
           {"path", functions.path.string()}};
 }
 
@@ -66,7 +66,7 @@ void print(const SeriesFunctions& functions, double difference) {
   say("{} time steps of {} blocks, {} not empty a step; {} functions for {} spans, {}, {}\n",
       kept.opacity.steps, kept.opacity.blockCount(), nonempty / kept.opacity.steps,
       kept.opacity.functions.size(), kept.opacity.spans.size(), formatBytes(functions.bytes),
-      functions.state);
+      name(functions.origin));
   say("{:.1f} % of the blocks stay as they were from step to step (difference {})\n",
       100 * kept.report.coherentShare(), difference);
   say("made in {:.2f} s of reading, {:.2f} of fusion, {:.2f} of functions, {:.2f} of the tree\n",

@@ -216,7 +216,7 @@ json volumeJson(const IndexedVolume& volume) {
             {"held", volume.index->ranges.blocks.size()}}},
           {"index",
            {{"path", volume.index->path.string()},
-            {"state", volume.index->state},
+            {"state", name(volume.index->origin)},
             {"note", volume.index->note},
             {"bytes", volume.index->bytes()}}}};
 }

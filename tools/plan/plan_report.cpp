@@ -90,8 +90,8 @@ void printIndices(const PlanToReport& plan) {
     const IndexedVolume& volume = *plan.channels[i].share.look.volume;
     if (volume.stand_in) say("{}\n", volume.standInNote());
     // A plan that took minutes owes the reason, and whether the next one takes them again.
-    if (!volume.stand_in && volume.index->state != "read")
-      say("index {}: this plan has read the whole volume for it, {}\n", volume.index->state,
+    if (!volume.stand_in && volume.index->origin != IndexOrigin::kRead)
+      say("index {}: this plan has read the whole volume for it, {}\n", name(volume.index->origin),
           volume.index->path.empty() ? "and so will the next one" : "the next one reads no voxel");
     if (!plan.boxes.empty()) print(plan.boxes[i]);
   }

@@ -41,7 +41,6 @@ OpacityTable tableOf(const TransferFunction& transfer, const IndexedVolume& volu
 std::optional<SeriesFunctions> keptFunctions(const IndexedVolume& volume,
                                              const SeriesRecipe& recipe, bool of_others) {
   SeriesFunctions found;
-  found.state = "read";
   IndexRead own = readIndex(volume.places, seriesKey(*volume.source, recipe));
   found.note = std::move(own.note);
   if (own.blob) {
@@ -82,7 +81,7 @@ void keep(const IndexedVolume& volume, const SeriesRecipe& recipe, SeriesFunctio
   made.bytes = blob.size();
   IndexWritten written = writeIndex(volume.places, key, blob);
   made.path = std::move(written.path);
-  made.state = made.path.empty() ? "built, not kept" : "built";
+  made.origin = builtOrigin(made.path);
   if (!written.note.empty()) made.note = written.note;
   if (made.path.empty()) return;
   // Written after the functions themselves, so that it never names functions that are not there.
@@ -117,7 +116,7 @@ SeriesFunctions functionsOfLook(const IndexedVolume& volume, const TransferFunct
   made.kept = std::move(kept);
   if (options.anew) {
     made.bytes = serialize(*made.kept, recipe).size();
-    made.state = "built, not kept";
+    made.origin = IndexOrigin::kBuiltNotKept;
   } else {
     keep(volume, recipe, made);
   }
@@ -127,14 +126,13 @@ SeriesFunctions functionsOfLook(const IndexedVolume& volume, const TransferFunct
 SeriesFunctions functionsOfFamily(const IndexedVolume& volume, const TransferFunction& transfer,
                                   const SeriesOptions& options, const IndexPass& pass) {
   SeriesFunctions family;
-  family.state = "read";
   std::vector<SeriesFunctions> each;
   std::vector<OpacityTable> tables;
   std::vector<const SeriesOpacity*> bases;
   for (const TransferFunction& basis : options.basis) {
     each.push_back(functionsOfLook(volume, basis, options, pass, false));
     const SeriesFunctions& made = each.back();
-    if (made.state != "read") family.state = made.state;
+    if (made.origin != IndexOrigin::kRead) family.origin = made.origin;
     family.path = made.path;
     if (made.path.empty()) family.note = made.note;
     family.bytes += made.bytes;

@@ -33,7 +33,7 @@ struct SeriesFunctions {
   // The look's extinction is at least this times the extinction of the functions' transfer function
   // (Gao 2004, equation 4, of a basis of one): 1 if it is the same.
   double exponent = 1;
-  std::string state;           // "read", "built", "built, not kept"
+  IndexOrigin origin = IndexOrigin::kRead;
   std::filesystem::path path;  // empty if none is kept
   uint64_t bytes = 0;          // size of the file, or the size that it would have
   std::string note;            // for people; empty: none

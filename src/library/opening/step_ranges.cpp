@@ -71,7 +71,6 @@ IndexedRanges unreadRanges(const IndexedVolume& volume, int64_t time, const Stan
       learnt ? *std::move(learnt) : unknownRanges(*volume.source, time, volume.layout, listing);
   index.ranges.device_range = stand_in.device_range;
   index.ranges.counts = stand_in.index->ranges.counts;
-  index.state = "not made";
   return index;
 }
 
