@@ -158,8 +158,8 @@ BoxesPiece BoxStore::buildPiece(int64_t first, int64_t count, const ReadPurpose&
   ReadVoxels read;
   // Voxels go through the caller's levels, which count them.
   if (read_) read = [&](int64_t time, const RegionRead& region) { read_(time, region, purpose); };
-  forEachBlockBricks(source_, time_, origin_.layout, pieceSpan(ranges_, first).blocks, pool_,
-                     progress, growing_bytes_, grow, purpose.stop, read);
+  forEachBlockBricks(source_, time_, origin_.layout, pieceSpan(ranges_, first).blocks,
+                     {pool_, progress, growing_bytes_, purpose.stop}, grow, read);
   BoxesPiece piece = assemble(first, trees);
   // An index is a convenience: if it cannot be kept, the next opening makes it again.
   writeIndex(places_, keyOf(source_, time_, origin_.layout, first), serialize(piece, origin_));

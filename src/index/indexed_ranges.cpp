@@ -143,33 +143,28 @@ std::optional<SliceRanges> keptLearnt(const VolumeSource& source, const IndexPla
 }
 
 IndexedRanges indexedRanges(VolumeSource& source, const IndexPlaces& places, int64_t time,
-                            const BlockLayout& layout, WorkerPool& pool, ProgressMeter& progress,
-                            uint64_t memory_bytes, const StopToken& stop, VoxelTaker* taker) {
+                            const BlockLayout& layout, const VolumePass& pass, VoxelTaker* taker) {
   const IndexKey key = keyOf(source, time, layout);
-  // The plan reads the source's listing, which may take long: it is made only if a pass follows.
-  const auto plan = [&] {
-    // A thread that waits for files leaves its processor idle, so that such sources have several
-    // for each.
-    const int each = pool.threads() > 1 ? source.passReads().threads_each : 1;
-    return planFirstPass(source, time, layout, memory_bytes,
-                         std::max(each * pool.threads(), source.distantReads()));
-  };
-  std::optional<WorkerPool> other;
-  const auto threadsOf = [&](const FirstPass& pass) -> WorkerPool& {
-    // Memory may allow fewer threads than the pool has, and slow sources want more.
-    return pass.threads != pool.threads() ? other.emplace(pass.threads) : pool;
-  };
   IndexedRanges result;
-  if (readKept(source, places, key, layout, result)) {
-    // A taker wants to see all voxels, also if the ranges are there.
-    if (taker == nullptr) return result;
-    const FirstPass pass = plan();
-    passVoxels(source, time, layout, threadsOf(pass), progress, pass.voxel_bytes, stop, *taker);
+  const bool is_kept = readKept(source, places, key, layout, result);
+  // A taker wants to see all voxels, also if the ranges are there.
+  if (is_kept && taker == nullptr) return result;
+  WorkerPool& pool = pass.pool;
+  // A thread that waits for files leaves its processor idle, so that such sources have several for
+  // each.
+  const int each = pool.threads() > 1 ? source.passReads().threads_each : 1;
+  // The plan reads the source's listing, which may take long: it is made only if a pass follows.
+  const FirstPass plan = planFirstPass(source, time, layout, pass.memory_bytes,
+                                       std::max(each * pool.threads(), source.distantReads()));
+  std::optional<WorkerPool> other;
+  // Memory may allow fewer threads than the pool has, and slow sources want more.
+  if (plan.threads != pool.threads()) other.emplace(plan.threads);
+  const VolumePass first{other ? *other : pool, pass.progress, plan.voxel_bytes, pass.stop};
+  if (is_kept) {
+    passVoxels(source, time, layout, first, *taker);
     return result;
   }
-  const FirstPass pass = plan();
-  result.ranges = buildSliceRanges(source, time, layout, threadsOf(pass), progress,
-                                   pass.voxel_bytes, stop, result.bricks, taker);
+  result.ranges = buildSliceRanges(source, time, layout, first, result.bricks, taker);
   // An index that cannot be kept is no failure: the next opening makes it anew.
   IndexWritten written = writeIndex(places, key, bytesOf(result.ranges, result.bricks));
   result.path = std::move(written.path);

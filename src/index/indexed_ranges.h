@@ -9,10 +9,8 @@
 #include <string>
 
 #include "src/base/sources/voxel_taker.h"
-#include "src/base/threads/progress_meter.h"
-#include "src/base/threads/stop_token.h"
-#include "src/base/threads/worker_pool.h"
 #include "src/index/index_file.h"
+#include "src/volume/passes/volume_pass.h"
 #include "src/volume/ranges/brick_ranges.h"
 #include "src/volume/ranges/slice_ranges.h"
 
@@ -44,14 +42,12 @@ void keepLearnt(const VolumeSource& source, const IndexPlaces& places, int64_t t
                 const SliceRanges& ranges);
 
 // `places`: where the index is kept, by the user's name for the volume (the first of several
-// names). Throws Error when the source cannot be read, Interrupted when `stop` asks for it. A
-// damaged or stale index is rebuilt within `memory_bytes` (first_pass.h, whose Error names the
-// least that works), adding the bytes read to `progress`; one that cannot be kept is no failure.
-// `taker`, if there is one, gets the voxels in the same pass, or in one of its own if there is an
-// index already.
+// names). Throws Error when the source cannot be read, Interrupted. A damaged or stale index is
+// rebuilt within the memory of the pass (first_pass.h, whose Error names the least that works); one
+// that cannot be kept is no failure. `taker`, if there is one, gets the voxels in the same pass, or
+// in one of its own if there is an index already.
 IndexedRanges indexedRanges(VolumeSource& source, const IndexPlaces& places, int64_t time,
-                            const BlockLayout& layout, WorkerPool& pool, ProgressMeter& progress,
-                            uint64_t memory_bytes = UINT64_MAX, const StopToken& stop = {},
+                            const BlockLayout& layout, const VolumePass& pass,
                             VoxelTaker* taker = nullptr);
 
 }  // namespace sluice

@@ -69,9 +69,9 @@ class Pass {
            bytesPerVoxel(source_.layout().type);
   }
 
-  std::vector<Run> runs(int threads) const {
+  std::vector<Run> runs(const VolumePass& pass) const {
     // A run of one block is taken even if it exceeds the limit: the pass would not run otherwise.
-    const uint64_t a_thread = options_.most_bytes / static_cast<uint64_t>(threads);
+    const uint64_t a_thread = pass.memory_bytes / static_cast<uint64_t>(pass.pool.threads());
     const int64_t most =
         std::clamp<int64_t>(static_cast<int64_t>(a_thread / bytesOfBlock()), 1, kMostRun);
     std::vector<Run> result;
@@ -82,18 +82,18 @@ class Pass {
     return result;
   }
 
-  std::vector<BlockOpacity> of(const Run& run, ProgressMeter& progress, const StopToken& stop) {
+  std::vector<BlockOpacity> of(const Run& run, const VolumePass& pass) {
     std::vector<Growing> growing(static_cast<size_t>(run.count));
     std::vector<std::byte> voxels;
     OpacityBlock current;
     for (size_t step = 0; step < steps_.size(); ++step) {
-      stop.throwIfStopped();
+      pass.stop.throwIfStopped();
       Stopwatch watch;
       const Box3 box = read(run, static_cast<int64_t>(step), voxels);
       add(clocks_.read, watch);
       for (int64_t i = 0; i < run.count; ++i)
         addStep(growing[static_cast<size_t>(i)], run.first + i, step, box, voxels, current);
-      progress.add(bytesOfSteps(run.count));
+      pass.progress.add(bytesOfSteps(run.count));
     }
     std::vector<BlockOpacity> result;
     for (Growing& each : growing) {
@@ -261,9 +261,8 @@ double SeriesPassReport::coherentShare() const {
 
 SeriesOpacity makeSeriesOpacity(VolumeSource& source, const BlockLayout& layout,
                                 const std::vector<StepBlocks>& steps, const ExtinctionTable& table,
-                                const SeriesPassOptions& options, WorkerPool& pool,
-                                ProgressMeter& progress, SeriesPassReport* report,
-                                const StopToken& stop) {
+                                const SeriesPassOptions& options, const VolumePass& pass,
+                                SeriesPassReport* report) {
   SLUICE_CHECK_EQ(static_cast<int64_t>(steps.size()), source.layout().time_steps);
   SLUICE_CHECK(options.part_cells > 0 && options.part_cells % kDetail == 0);
   SeriesOpacity series;
@@ -273,27 +272,27 @@ SeriesOpacity makeSeriesOpacity(VolumeSource& source, const BlockLayout& layout,
   series.part_cells = options.part_cells;
   series.steps = static_cast<int64_t>(steps.size());
   series.directions = options.directions;
-  Pass pass(source, layout, steps, table, options);
-  const std::vector<Run> runs = pass.runs(pool.threads());
+  Pass work(source, layout, steps, table, options);
+  const std::vector<Run> runs = work.runs(pass);
   std::vector<BlockOpacity> blocks(static_cast<size_t>(layout.blockCount()));
-  progress.expect(pass.bytesOfSteps(layout.blockCount()) * steps.size());
-  pool.parallelFor(static_cast<int64_t>(runs.size()), [&](int64_t i) {
+  pass.progress.expect(work.bytesOfSteps(layout.blockCount()) * steps.size());
+  pass.pool.parallelFor(static_cast<int64_t>(runs.size()), [&](int64_t i) {
     const Run& run = runs[static_cast<size_t>(i)];
-    std::vector<BlockOpacity> made = pass.of(run, progress, stop);
+    std::vector<BlockOpacity> made = work.of(run, pass);
     std::move(made.begin(), made.end(), blocks.begin() + static_cast<ptrdiff_t>(run.first));
   });
   Stopwatch watch;
   gather(series, std::move(blocks));
   if (report == nullptr) return series;
   // The clocks add up over the threads, and the report tells the time that passed.
-  const double a_second = 1e-9 / pool.threads();
-  report->read_seconds = static_cast<double>(pass.clocks().read) * a_second;
-  report->fusion_seconds = static_cast<double>(pass.clocks().fusion) * a_second;
-  report->functions_seconds = static_cast<double>(pass.clocks().functions) * a_second;
+  const double a_second = 1e-9 / pass.pool.threads();
+  report->read_seconds = static_cast<double>(work.clocks().read) * a_second;
+  report->fusion_seconds = static_cast<double>(work.clocks().fusion) * a_second;
+  report->functions_seconds = static_cast<double>(work.clocks().functions) * a_second;
   report->tree_seconds = watch.lap();
   report->worker_bytes =
-      static_cast<uint64_t>(std::max<int64_t>(1, runs.front().count)) * pass.bytesOfBlock();
-  pass.countInto(*report);
+      static_cast<uint64_t>(std::max<int64_t>(1, runs.front().count)) * work.bytesOfBlock();
+  work.countInto(*report);
   return series;
 }
 

@@ -12,12 +12,10 @@
 #include <vector>
 
 #include "src/base/sources/volume_source.h"
-#include "src/base/threads/progress_meter.h"
-#include "src/base/threads/stop_token.h"
-#include "src/base/threads/worker_pool.h"
 #include "src/index/stale_check.h"
 #include "src/visibility/plenoptic/extinction.h"
 #include "src/visibility/plenoptic/series_opacity.h"
+#include "src/volume/passes/volume_pass.h"
 #include "src/volume/ranges/slice_ranges.h"
 
 namespace sluice {
@@ -48,12 +46,14 @@ class StepBlocks {
   std::filesystem::path index_file_;
 };
 
+// More makes the pass no faster.
+inline constexpr uint64_t kMostSeriesBytes = uint64_t{256} << 20;
+
 struct SeriesPassOptions {
   double difference = 0.001;          // blocks of less (equation 2) are fused; 0: none are
   int64_t part_cells = 4;             // a side; a multiple of kDetail
   int detail_bits = kMostDetailBits;  // see part_detail.h
   DirectionGrid directions = {};
-  uint64_t most_bytes = uint64_t{256} << 20;  // limit for all workers together
 };
 
 struct SeriesPassReport {
@@ -71,11 +71,10 @@ struct SeriesPassReport {
 
 // `steps`: of all time steps of the source, in the layout's blocks. Throws Error from the source,
 // which names the file, and if a block that is read has other values than its step says
-// (stale_check.h); Interrupted when `stop` asks for it.
+// (stale_check.h); Interrupted.
 SeriesOpacity makeSeriesOpacity(VolumeSource& source, const BlockLayout& layout,
                                 const std::vector<StepBlocks>& steps, const ExtinctionTable& table,
-                                const SeriesPassOptions& options, WorkerPool& pool,
-                                ProgressMeter& progress, SeriesPassReport* report = nullptr,
-                                const StopToken& stop = {});
+                                const SeriesPassOptions& options, const VolumePass& pass,
+                                SeriesPassReport* report = nullptr);
 
 }  // namespace sluice

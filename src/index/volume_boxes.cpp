@@ -199,20 +199,19 @@ void expectSameValues(const VolumeSource& source, int64_t time, const SliceRange
 }
 
 void forEachBlockBricks(VolumeSource& source, int64_t time, const BlockLayout& layout,
-                        std::span<const int64_t> blocks, WorkerPool& pool, ProgressMeter& progress,
-                        uint64_t most_bytes, const TakeBricks& take, const StopToken& stop,
-                        const ReadVoxels& read) {
+                        std::span<const int64_t> blocks, const VolumePass& pass,
+                        const TakeBricks& take, const ReadVoxels& read) {
   const VolumeLayout& voxels = source.layout();
   const uint64_t bytes_per_read =
-      std::min(kMostBytesPerRead, most_bytes / static_cast<uint64_t>(pool.threads()));
+      std::min(kMostBytesPerRead, pass.memory_bytes / static_cast<uint64_t>(pass.pool.threads()));
   const uint64_t most = std::max<uint64_t>(1, bytes_per_read / growingBytes(voxels, layout));
   const std::vector<BlockRun> runs = runsOf(layout, blocks, most);
   // Blocks of a run share planes, so that a little less is read.
   const uint64_t block_bytes = cornerVoxels(layout) * bytesPerVoxel(voxels.type);
-  progress.expect(blocks.size() * block_bytes);
+  pass.progress.expect(blocks.size() * block_bytes);
   const Vec3d voxel_size = voxelSize(voxels);
-  pool.parallelFor(static_cast<int64_t>(runs.size()), [&](int64_t i) {
-    stop.throwIfStopped();
+  pass.pool.parallelFor(static_cast<int64_t>(runs.size()), [&](int64_t i) {
+    pass.stop.throwIfStopped();
     const BlockRun& run = runs[static_cast<size_t>(i)];
     const std::span<const int64_t> of_run = blocks.subspan(run.first, run.count);
     // One read for the whole run, because rows of the volume lie together in the file.
@@ -223,14 +222,13 @@ void forEachBlockBricks(VolumeSource& source, int64_t time, const BlockLayout& l
     for (const int64_t block : of_run)
       take(block, brickGrid(span, layout.ownedCells(layout.indexOf(block)), kGrowingBrickSide,
                             voxel_size));
-    progress.add(run.count * block_bytes);
+    pass.progress.add(run.count * block_bytes);
   });
 }
 
 PartitionCost partitionCost(VolumeSource& source, int64_t time, const SliceRanges& ranges,
-                            const OpacityTable& table, const Box3& crop, WorkerPool& pool,
-                            ProgressMeter& progress, uint64_t most_bytes, const TakeTree& take,
-                            const StopToken& stop) {
+                            const OpacityTable& table, const Box3& crop, const VolumePass& pass,
+                            const TakeTree& take) {
   const GrowingParameters parameters = growingParameters(ranges.map.type, ranges.device_range);
   const BoxVisibility visibility(table, source.layout());
   const Counter counter(visibility, crop);
@@ -244,8 +242,7 @@ PartitionCost partitionCost(VolumeSource& source, int64_t time, const SliceRange
     const MutexLock lock(mutex);
     add(sum, cost);
   };
-  forEachBlockBricks(source, time, ranges.layout, ranges.blocks, pool, progress, most_bytes,
-                     addBlock, stop);
+  forEachBlockBricks(source, time, ranges.layout, ranges.blocks, pass, addBlock);
   addBackground(ranges, table, crop, sum);
   return sum;
 }

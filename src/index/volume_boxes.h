@@ -11,11 +11,9 @@
 #include <span>
 
 #include "src/base/sources/volume_source.h"
-#include "src/base/threads/progress_meter.h"
-#include "src/base/threads/stop_token.h"
-#include "src/base/threads/worker_pool.h"
 #include "src/classify/boxes/box_tree.h"
 #include "src/classify/transfer/opacity_table.h"
+#include "src/volume/passes/volume_pass.h"
 #include "src/volume/ranges/slice_ranges.h"
 
 namespace sluice {
@@ -37,14 +35,12 @@ void expectSameValues(const VolumeSource& source, int64_t time, const SliceRange
                       int64_t block, const BrickGrid& grid);
 
 // Calls `take` once for each of `blocks` (ids of the layout, ascending), with the bricks of the
-// cells that it owns. Neighbours along x are read together, as far as all threads hold at most
-// `most_bytes` of voxels, or growingBytes() each. Voxels come through `read` if it is given,
-// otherwise from the source. Adds the bytes to be read to the total of `progress`. Throws Error
-// from the source, Interrupted when `stop` asks for it.
+// cells that it owns. Neighbours along x are read together, as far as all threads hold at most the
+// pass's memory of voxels, or growingBytes() each. Voxels come through `read` if it is given,
+// otherwise from the source. Throws Error from the source, Interrupted.
 void forEachBlockBricks(VolumeSource& source, int64_t time, const BlockLayout& layout,
-                        std::span<const int64_t> blocks, WorkerPool& pool, ProgressMeter& progress,
-                        uint64_t most_bytes, const TakeBricks& take, const StopToken& stop = {},
-                        const ReadVoxels& read = {});
+                        std::span<const int64_t> blocks, const VolumePass& pass,
+                        const TakeBricks& take, const ReadVoxels& read = {});
 
 // The cost of drawing a partition. Cells are counted inside the crop, boxes if they reach into it.
 struct PartitionCost {
@@ -59,11 +55,10 @@ struct PartitionCost {
 };
 // Called on any thread, on several at once.
 using TakeTree = std::function<void(int64_t block, const BoxTree& tree)>;
-// Reads all blocks that are held, in `most_bytes` (forEachBlockBricks), compares them with
-// `ranges`, and hands each one's tree to `take` if there is one.
+// Reads all blocks that are held (forEachBlockBricks), compares them with `ranges`, and hands each
+// one's tree to `take` if there is one.
 PartitionCost partitionCost(VolumeSource& source, int64_t time, const SliceRanges& ranges,
-                            const OpacityTable& table, const Box3& crop, WorkerPool& pool,
-                            ProgressMeter& progress, uint64_t most_bytes = kMostGrowingBytes,
-                            const TakeTree& take = {}, const StopToken& stop = {});
+                            const OpacityTable& table, const Box3& crop, const VolumePass& pass,
+                            const TakeTree& take = {});
 
 }  // namespace sluice

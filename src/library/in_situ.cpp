@@ -142,8 +142,7 @@ PartValues valuesOf(const FillRegion& fill, const PartBoxes& part, const LentPar
       },
       layout);
   const IndexedRanges ranges =
-      indexedRanges(*source, none, 0, blockLayout(layout.dims, kBlock, 0), pass.pool, pass.progress,
-                    pass.memory_bytes, pass.stop);
+      indexedRanges(*source, none, 0, blockLayout(layout.dims, kBlock, 0), pass);
   return {ranges.ranges.counts, ranges.ranges.device_range, ranges.ranges.far_range};
 }
 

@@ -30,7 +30,7 @@ class BoxStoreTest : public testing::Test {
     blobs_ = makeSparseBlobs(options);
     source_.emplace(*blobs_);
     layout_ = blockLayout(options.dims, 16, 0);
-    ranges_ = buildSliceRanges(*source_, 0, layout_, pool_, progress_);
+    ranges_ = buildSliceRanges(*source_, 0, layout_, {pool_, progress_});
     ASSERT_GT(layout_.blockCount(), BoxStore::kPieceBlocks);
     source_->reset();
   }
@@ -151,7 +151,7 @@ TEST_F(BoxStoreTest, aDamagedIndexIsMadeAnew) {
 
 TEST_F(BoxStoreTest, whatAPassOverAllBlocksKeepsIsFoundByTheStore) {
   BoxIndexWriter index(*source_, places(), 0, ranges_);
-  forEachBlockBricks(*source_, 0, layout_, ranges_.blocks, pool_, progress_, kMostGrowingBytes,
+  forEachBlockBricks(*source_, 0, layout_, ranges_.blocks, {pool_, progress_},
                      [&](int64_t block, const BrickGrid& grid) {
                        index.add(block, growBoxTree(grid, growingParameters(ranges_.map.type,
                                                                             ranges_.device_range)));
@@ -197,7 +197,7 @@ TEST(BoxStore, aBlockOfBackgroundIsOneBoxAndIsNotRead) {
   WorkerPool pool(2);
   ProgressMeter progress;
   const SliceRanges ranges =
-      buildSliceRanges(sparse, 0, blockLayout(layout.dims, 32, 0), pool, progress);
+      buildSliceRanges(sparse, 0, blockLayout(layout.dims, 32, 0), {pool, progress});
   CountingSource source(sparse);
   BoxStore boxes(source, IndexPlaces(), 0, ranges, pool, kPlenty, kMostGrowingBytes);
   const BoxTreePtr tree = boxes.tree(2);

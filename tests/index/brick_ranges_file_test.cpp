@@ -15,8 +15,7 @@ BrickRanges someBricks(VoxelType type) {
   WorkerPool pool(1);
   ProgressMeter quiet;
   BrickRanges bricks;
-  buildSliceRanges(*source, 0, blockLayout(kDims, 8, 0), pool, quiet, kMostIndexingBytes, {},
-                   bricks);
+  buildSliceRanges(*source, 0, blockLayout(kDims, 8, 0), {pool, quiet}, bricks);
   return bricks;
 }
 

@@ -47,7 +47,7 @@ class IndexedRangesTest : public testing::Test {
     WorkerPool pool(2);
     ProgressMeter quiet;
     return indexedRanges(source, indexPlaces(path_.string(), wish_), 0,
-                         blockLayout(source.layout().dims, size, ghost), pool, quiet);
+                         blockLayout(source.layout().dims, size, ghost), {pool, quiet});
   }
   // The files of a folder and of the folders below it.
   static std::set<std::filesystem::path> filesBelow(const std::filesystem::path& folder) {
@@ -139,7 +139,7 @@ TEST_F(IndexedRangesTest, channelsHaveIndicesOfTheirOwn) {
       FunctionSource source(
           layout, [channel](int64_t, Vec3i p) { return static_cast<double>(p.x * (channel + 1)); });
       const IndexedRanges found = indexedRanges(source, indexPlaces(path_.string(), wish_), 0,
-                                                blockLayout(layout.dims, 8, 0), pool, quiet);
+                                                blockLayout(layout.dims, 8, 0), {pool, quiet});
       EXPECT_EQ(found.origin, origin) << channel;
       EXPECT_EQ(found.ranges.device_range.hi, static_cast<double>(11 * (channel + 1)));
     }
@@ -197,7 +197,7 @@ TEST_F(IndexedRangesTest, timeStepsHaveIndicesOfTheirOwn) {
   for (const IndexOrigin origin : {IndexOrigin::kBuilt, IndexOrigin::kRead})
     for (int64_t time = 0; time < 2; ++time) {
       const IndexedRanges found =
-          indexedRanges(source, indexPlaces(path_.string(), wish_), time, blocks, pool, quiet);
+          indexedRanges(source, indexPlaces(path_.string(), wish_), time, blocks, {pool, quiet});
       EXPECT_EQ(found.origin, origin) << time;
       EXPECT_EQ(found.ranges.device_range.hi, static_cast<double>(11 * (time + 1)));
     }
@@ -245,11 +245,11 @@ TEST_F(IndexedRangesTest, syntheticVolumesAreKeptInTheCacheFolder) {
   const BlockLayout layout = blockLayout({40, 40, 40}, 16, 0);
   ProgressMeter quiet;
   const IndexedRanges built =
-      indexedRanges(*source, indexPlaces(spec, wish_), 0, layout, pool, quiet);
+      indexedRanges(*source, indexPlaces(spec, wish_), 0, layout, {pool, quiet});
   EXPECT_EQ(built.origin, IndexOrigin::kBuilt);
   EXPECT_TRUE(built.path.string().starts_with((folder_ / "cache").string())) << built.path;
   CountingSource counted(*source);
-  EXPECT_EQ(indexedRanges(counted, indexPlaces(spec, wish_), 0, layout, pool, quiet).origin,
+  EXPECT_EQ(indexedRanges(counted, indexPlaces(spec, wish_), 0, layout, {pool, quiet}).origin,
             IndexOrigin::kRead);
   EXPECT_EQ(counted.counts().calls, 0);
 }

@@ -25,10 +25,11 @@ std::unique_ptr<MemorySource> blobs(int64_t steps) {
 }
 
 struct Made {
-  explicit Made(VolumeSource& source, SeriesPassOptions options = {}, int threads = 2)
+  explicit Made(VolumeSource& source, SeriesPassOptions options = {}, int threads = 2,
+                uint64_t memory_bytes = UINT64_MAX)
       : layout(blockLayout(source.layout().dims, 8, 0)),
         table(ramp(), deviceMap(source.layout()), {0, 255}),
-        series(makeTestSeries(source, layout, table, options, threads)),
+        series(makeTestSeries(source, layout, table, options, threads, memory_bytes)),
         recipe{ramp(),
                layout,
                source.layout().time_steps,
@@ -110,7 +111,7 @@ TEST(SeriesFile, damagedBytesAreRefusedOrMakeSense) {
 TEST(SeriesPass, thresholdsAndThreadsAndRunsGiveTheSameSpans) {
   const auto source = blobs(8);
   const Made one(*source, {.difference = 1e-3}, 1);
-  const Made few(*source, {.difference = 1e-3, .most_bytes = 1}, 3);
+  const Made few(*source, {.difference = 1e-3}, 3, 1);
   expectSame(*one.series.opacity, *few.series.opacity);
   const Made none(*source, {.difference = 0});
   const Made all(*source, {.difference = 2});
@@ -131,7 +132,7 @@ TEST(SeriesPass, thresholdsAndThreadsAndRunsGiveTheSameSpans) {
 TEST(SeriesPass, holdsTwoRunsAWorkerHoweverManySteps) {
   const auto few = blobs(2), many = blobs(9);
   EXPECT_EQ(Made(*few).series.report.worker_bytes, Made(*many).series.report.worker_bytes);
-  const Made least(*few, {.most_bytes = 1});
+  const Made least(*few, {}, 2, 1);
   // A block of 8 voxels a side: its bytes as read and converted, opacities and cubes twice.
   EXPECT_EQ(least.series.report.worker_bytes, 512U * 2 + 2 * (512 + 512) * 4);
 }
@@ -150,10 +151,10 @@ TEST(SeriesPass, whatIsEmptyIsNotRead) {
   ProgressMeter progress;
   std::vector<StepBlocks> steps;
   for (int64_t time = 0; time < 4; ++time)
-    steps.emplace_back(buildSliceRanges(*source, time, blocks, pool, progress), extinction);
+    steps.emplace_back(buildSliceRanges(*source, time, blocks, {pool, progress}), extinction);
   EXPECT_EQ(steps[0].nonEmpty(), 8);
   const uint64_t before = source->storedBytesRead();
-  makeSeriesOpacity(*source, blocks, steps, extinction, {}, pool, progress);
+  makeSeriesOpacity(*source, blocks, steps, extinction, {}, {pool, progress});
   EXPECT_EQ(source->storedBytesRead() - before, 4U * 4 * 15 * 8 * 8) << "4 runs of two blocks";
 }
 

@@ -18,7 +18,7 @@ SliceRanges someRanges(VoxelType type, int ghost = 0) {
   const auto source = makeSparseBlobs(options);
   WorkerPool pool(1);
   ProgressMeter quiet;
-  return buildSliceRanges(*source, 0, blockLayout(options.dims, 8, ghost), pool, quiet);
+  return buildSliceRanges(*source, 0, blockLayout(options.dims, 8, ghost), {pool, quiet});
 }
 
 void expectSame(const SliceRanges& a, const SliceRanges& b) {
@@ -52,7 +52,7 @@ TEST(SliceRangesFile, volumeOfNothingComesBackToo) {
   WorkerPool pool(1);
   ProgressMeter quiet;
   const SliceRanges ranges =
-      buildSliceRanges(*source, 0, blockLayout({9, 9, 9}, 8, 0), pool, quiet);
+      buildSliceRanges(*source, 0, blockLayout({9, 9, 9}, 8, 0), {pool, quiet});
   const auto read = deserialize(serialize(ranges), ranges.layout, ranges.map);
   ASSERT_TRUE(read.has_value());
   expectSame(*read, ranges);

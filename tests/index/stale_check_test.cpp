@@ -26,7 +26,7 @@ struct Checked {
       : layout(blocks), check("v.raw"), buffer(read, blocks, uint64_t{64} << 20) {
     WorkerPool pool(2);
     ProgressMeter quiet;
-    ranges = std::make_shared<SliceRanges>(buildSliceRanges(indexed, 0, layout, pool, quiet));
+    ranges = std::make_shared<SliceRanges>(buildSliceRanges(indexed, 0, layout, {pool, quiet}));
     check.expect({}, ranges);
     buffer.checkBy(
         [this](const BlockName& name, const VolumeBlock& block) { check.check(name, block); });
@@ -120,7 +120,7 @@ TEST(StaleCheck, theIndicesOfTheVolumeAreRemoved) {
   WorkerPool pool(2);
   ProgressMeter quiet;
   const auto indexed = [&](VolumeSource& source) {
-    return indexedRanges(source, places, 0, blocks, pool, quiet);
+    return indexedRanges(source, places, 0, blocks, {pool, quiet});
   };
   EXPECT_EQ(indexed(before).origin, IndexOrigin::kBuilt);
   writeIndex(places, {before.identity(), "boxes", 1}, {});
@@ -170,9 +170,11 @@ TEST(StaleCheck, opacityFunctionsAreNotMadeOfAChangedStep) {
   ProgressMeter quiet;
   std::vector<StepBlocks> steps;
   for (int64_t time = 0; time < 2; ++time)
-    steps.emplace_back(buildSliceRanges(before, time, blocks, pool, quiet), table);
-  EXPECT_NO_THROW(makeSeriesOpacity(before, blocks, steps, table, {}, pool, quiet));
-  EXPECT_THAT(errorOf([&] { makeSeriesOpacity(after, blocks, steps, table, {}, pool, quiet); }),
+    steps.emplace_back(buildSliceRanges(before, time, blocks, {pool, quiet}), table);
+  EXPECT_NO_THROW(makeSeriesOpacity(before, blocks, steps, table, {}, {pool, quiet}));
+  EXPECT_THAT(errorOf([&] {
+                makeSeriesOpacity(after, blocks, steps, table, {}, {pool, quiet});
+              }),
               HasSubstr("v: block 2 of time step 1 has values from 130 to 240, 130 to 139 when it "
                         "was opened"));
 }
@@ -184,7 +186,7 @@ TEST(StaleCheck, growingBoxesAreNotMadeOfAChangedStep) {
   const BlockLayout blocks = blockLayout(before.layout().dims, 16, 0);
   WorkerPool pool(2);
   ProgressMeter quiet;
-  IndexedRanges index = indexedRanges(before, places, 1, blocks, pool, quiet);
+  IndexedRanges index = indexedRanges(before, places, 1, blocks, {pool, quiet});
   index.ranges.index_file = index.path;
   const std::string expected =
       "v: block 2 of time step 1 has values from 130 to 240, 130 to 139 when it was indexed";
@@ -193,11 +195,11 @@ TEST(StaleCheck, growingBoxesAreNotMadeOfAChangedStep) {
   EXPECT_TRUE(std::filesystem::is_empty(index.path.parent_path())) << "no boxes are kept either";
   const OpacityTable table(solid(), index.ranges.map, {0, 255});
   EXPECT_THAT(errorOf([&] {
-                partitionCost(after, 1, index.ranges, table, boxOf(blocks.dims), pool, quiet);
+                partitionCost(after, 1, index.ranges, table, boxOf(blocks.dims), {pool, quiet});
               }),
               HasSubstr(expected));
   const PartitionCost cost =
-      partitionCost(before, 1, index.ranges, table, boxOf(blocks.dims), pool, quiet);
+      partitionCost(before, 1, index.ranges, table, boxOf(blocks.dims), {pool, quiet});
   EXPECT_EQ(cost.blocks, static_cast<int64_t>(index.ranges.blocks.size()));
 }
 

@@ -35,7 +35,7 @@ TEST(VolumeBoxes, eachBlockOnceWithTheBricksThatTheWholeVolumeHas) {
       ProgressMeter progress;
       std::mutex mutex;
       std::set<int64_t> taken;
-      forEachBlockBricks(*source, 0, layout, allBlocks(layout), pool, progress, kMostGrowingBytes,
+      forEachBlockBricks(*source, 0, layout, allBlocks(layout), {pool, progress},
                          [&](int64_t block, const BrickGrid& grid) {
                            const std::lock_guard lock(mutex);
                            EXPECT_TRUE(taken.insert(block).second);
@@ -56,7 +56,7 @@ TEST(VolumeBoxes, onlyTheBlocksAskedForAreRead) {
   ProgressMeter progress;
   const std::vector<int64_t> blocks{1, 2, 5};
   std::atomic<int> taken = 0;
-  forEachBlockBricks(source, 0, layout, blocks, pool, progress, kMostGrowingBytes,
+  forEachBlockBricks(source, 0, layout, blocks, {pool, progress},
                      [&](int64_t, const BrickGrid&) { ++taken; });
   EXPECT_EQ(taken, 3);
   // 1 and 2 of the row of four as one: 32 voxels and one more on each side, 17 of y and z. 5
@@ -76,8 +76,9 @@ TEST(VolumeBoxes, readsStayWithinTheMemoryGiven) {
     CountingSource source(*blobs);
     WorkerPool pool(kThreads);
     ProgressMeter progress;
-    forEachBlockBricks(source, 0, layout, allBlocks(layout), pool, progress,
-                       kThreads * blocks_a_thread * block_bytes, [](int64_t, const BrickGrid&) {});
+    forEachBlockBricks(source, 0, layout, allBlocks(layout),
+                       {pool, progress, kThreads * blocks_a_thread * block_bytes},
+                       [](int64_t, const BrickGrid&) {});
     uint64_t most = 0;
     for (const CountingSource::Read& read : source.reads())
       most = std::max(most, static_cast<uint64_t>(read.box.count()) * (8 + 4));
@@ -100,11 +101,11 @@ TEST(VolumeBoxes, costsAreThoseOfPlainSums) {
   const BlockLayout layout = blockLayout(volume.dims, 32, 0);
   WorkerPool pool(2);
   ProgressMeter progress;
-  const SliceRanges ranges = buildSliceRanges(*source, 0, layout, pool, progress);
+  const SliceRanges ranges = buildSliceRanges(*source, 0, layout, {pool, progress});
   ASSERT_EQ(ranges.blocks.size(), static_cast<size_t>(layout.blockCount()));
   const OpacityTable table = tableOf(ranges, 60);
   for (const Box3& crop : {volume.cells(), Box3{{10, 3, 5}, {50, 53, 40}}}) {
-    const PartitionCost cost = partitionCost(*source, 0, ranges, table, crop, pool, progress);
+    const PartitionCost cost = partitionCost(*source, 0, ranges, table, crop, {pool, progress});
     int64_t boxes = 0, cells = 0, all = 0;
     for (const auto& [box, grown] : treePartition(volume, 32)) {
       ++all;
@@ -150,7 +151,7 @@ TEST(VolumeBoxes, aVisibleBackgroundIsCountedWithoutBeingRead) {
   const BlockLayout blocks = blockLayout(layout.dims, 16, 0);
   WorkerPool pool(2);
   ProgressMeter progress;
-  const SliceRanges ranges = buildSliceRanges(sparse, 0, blocks, pool, progress);
+  const SliceRanges ranges = buildSliceRanges(sparse, 0, blocks, {pool, progress});
   ASSERT_LT(ranges.blocks.size(), static_cast<size_t>(blocks.blockCount()) / 2);
   ASSERT_EQ(ranges.map.type, DeviceType::kU8);
   std::vector<PlaneRange<uint8_t>> totals(static_cast<size_t>(blocks.blockCount()), {200, 200});
@@ -162,8 +163,8 @@ TEST(VolumeBoxes, aVisibleBackgroundIsCountedWithoutBeingRead) {
   all.totals.assign(bytes.begin(), bytes.end());
   const OpacityTable table = tableOf(ranges, 100);
   for (const Box3& crop : {boxOf({69, 64, 39}), Box3{{3, 17, 9}, {41, 62, 38}}}) {
-    const PartitionCost a = partitionCost(sparse, 0, ranges, table, crop, pool, progress);
-    const PartitionCost b = partitionCost(dense, 0, all, table, crop, pool, progress);
+    const PartitionCost a = partitionCost(sparse, 0, ranges, table, crop, {pool, progress});
+    const PartitionCost b = partitionCost(dense, 0, all, table, crop, {pool, progress});
     EXPECT_LT(a.blocks, b.blocks);
     EXPECT_EQ(a.visible_cells, b.visible_cells);
     EXPECT_EQ(a.visible_boxes, b.visible_boxes);

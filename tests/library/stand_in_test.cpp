@@ -16,7 +16,7 @@ ValueRange meansOf(const CoarserLevel& level) {
   WorkerPool pool(2);
   ProgressMeter progress;
   const BlockLayout layout = blockLayout(level.source->layout().dims, 16, 0);
-  return buildSliceRanges(*level.source, 0, layout, pool, progress).device_range;
+  return buildSliceRanges(*level.source, 0, layout, {pool, progress}).device_range;
 }
 
 TEST(StandIn, spreadsTellTheRangeOfTwoValues) {

@@ -63,7 +63,7 @@ std::unique_ptr<MemorySource> sourceOf(const std::vector<uint8_t>& voxels, Vec3i
 SliceRanges rangesOf(VolumeSource& source) {
   WorkerPool pool(1);
   ProgressMeter progress;
-  return buildSliceRanges(source, 0, blockLayout(source.layout().dims, 8, 0), pool, progress);
+  return buildSliceRanges(source, 0, blockLayout(source.layout().dims, 8, 0), {pool, progress});
 }
 
 std::vector<Fact> factsOfVolume(const std::vector<uint8_t>& voxels, Vec3i dims) {

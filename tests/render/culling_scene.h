@@ -22,7 +22,7 @@ struct CullingScene {
       : source(volume),
         pool(2),
         ranges(std::make_shared<const SliceRanges>(buildSliceRanges(
-            source, time, blockLayout(source.layout().dims, block, 0), pool, progress))),
+            source, time, blockLayout(source.layout().dims, block, 0), {pool, progress}))),
         step{&source, time, ranges},
         look(std::make_shared<const Look>(makeLook(step, transfer, Mode::kComposite))) {}
 

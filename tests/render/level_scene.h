@@ -36,7 +36,7 @@ struct Pyramid {
   }
   std::shared_ptr<const SliceRanges> rangesOf(VolumeSource& of, const BlockLayout& layout) {
     ProgressMeter progress;
-    return std::make_shared<const SliceRanges>(buildSliceRanges(of, 0, layout, pool, progress));
+    return std::make_shared<const SliceRanges>(buildSliceRanges(of, 0, layout, {pool, progress}));
   }
   const PyramidLayout& layout() const { return *step.pyramid; }
 

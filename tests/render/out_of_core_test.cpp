@@ -40,7 +40,7 @@ class OutOfCoreTest : public RenderTest {
  protected:
   SliceRanges rangesOf(VolumeSource& source, int64_t block_vox, bool lit = false) {
     ProgressMeter silent;
-    return buildSliceRanges(source, 0, blockLayout(kDims, block_vox, lit ? 1 : 0), pool_, silent);
+    return buildSliceRanges(source, 0, blockLayout(kDims, block_vox, lit ? 1 : 0), {pool_, silent});
   }
   std::unique_ptr<Session> sessionOf(VolumeSource& source, const SliceRanges& ranges,
                                      SessionOptions options = {}) {

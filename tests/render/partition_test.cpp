@@ -184,7 +184,8 @@ TEST_P(PartitionDataTest, boxesDrawTheSamePicture) {
   const Vec3i size = source->layout().dims;
   WorkerPool pool(2);
   ProgressMeter progress;
-  const SliceRanges ranges = buildSliceRanges(*source, 0, blockLayout(size, 64, 0), pool, progress);
+  const SliceRanges ranges =
+      buildSliceRanges(*source, 0, blockLayout(size, 64, 0), {pool, progress});
   const TransferFunction transfer = automaticFor(ranges, file->layout());
   for (const bool lit : {false, true}) {
     RenderScene scene(device(), *source, transfer,
@@ -207,7 +208,7 @@ TEST_P(PartitionDataTest, boxesDrawTheSamePicture) {
   });
   std::atomic<int64_t> visible = 0, outside = 0;
   forEachBlockBricks(
-      *source, 0, ranges.layout, ranges.blocks, pool, progress, kMostGrowingBytes,
+      *source, 0, ranges.layout, ranges.blocks, {pool, progress},
       [&](int64_t block, const BrickGrid& grid) {
         const Box3& box = object[static_cast<size_t>(block)];
         for (const GrownBox& grown :

@@ -73,7 +73,7 @@ TEST_P(RealAccountingTest, aTurnOf36FramesUploadsTheBytesThatTheModelCounts) {
   WorkerPool pool(2);
   ProgressMeter progress;
   const SliceRanges ranges = buildSliceRanges(
-      *source, GetParam().time, blockLayout(source->layout().dims, kBlock, 0), pool, progress);
+      *source, GetParam().time, blockLayout(source->layout().dims, kBlock, 0), {pool, progress});
   const TransferFunction transfer = automaticFor(ranges, source->layout());
   expectEqualBytesOverATurn(*source, GetParam().time, transfer, PolicyKind::kLru,
                             Algorithm::kMerged, tooFewPages(ranges, transfer, Algorithm::kMerged),
@@ -88,7 +88,7 @@ TEST_P(RealAccountingTest, everyPolicyAndAlgorithmUploadsTheBytesThatTheModelCou
   WorkerPool pool(2);
   ProgressMeter progress;
   const SliceRanges ranges =
-      buildSliceRanges(*source, 0, blockLayout(source->layout().dims, kBlock, 0), pool, progress);
+      buildSliceRanges(*source, 0, blockLayout(source->layout().dims, kBlock, 0), {pool, progress});
   const TransferFunction transfer = automaticFor(ranges, file->layout());
   for (const Algorithm algorithm : kAlgorithms) {
     const int64_t pages = tooFewPages(ranges, transfer, algorithm);

@@ -25,7 +25,7 @@ TransferFunction automaticOf(VolumeSource& source, const VolumeLayout& layout) {
   WorkerPool pool(2);
   ProgressMeter progress;
   return automaticFor(
-      buildSliceRanges(source, 0, blockLayout(source.layout().dims, 32, 0), pool, progress),
+      buildSliceRanges(source, 0, blockLayout(source.layout().dims, 32, 0), {pool, progress}),
       layout);
 }
 

@@ -45,7 +45,7 @@ std::shared_ptr<const SliceRanges> rangesOf(VolumeSource& source, const SceneOpt
       blockLayout(source.layout().dims, options.block_vox, options.lit || options.ghost ? 1 : 0);
   ProgressMeter progress;
   return std::make_shared<const SliceRanges>(
-      buildSliceRanges(source, options.time, layout, pool, progress));
+      buildSliceRanges(source, options.time, layout, {pool, progress}));
 }
 
 // The rounding of single precision. Steps: the renderer makes ramps of them, see OpacityTable. Ends

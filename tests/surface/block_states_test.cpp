@@ -14,7 +14,7 @@ namespace {
 SliceRanges rangesOf(VolumeSource& source, int64_t block) {
   WorkerPool pool(1);
   ProgressMeter progress;
-  return buildSliceRanges(source, 0, blockLayout(source.layout().dims, block, 1), pool, progress);
+  return buildSliceRanges(source, 0, blockLayout(source.layout().dims, block, 1), {pool, progress});
 }
 
 TEST(InsideSet, holdsTheValuesOfAtLeastTheThreshold) {

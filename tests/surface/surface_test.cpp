@@ -49,7 +49,7 @@ Made makeFrom(VolumeSource& source, VolumeSource& read, const Options& options) 
   ProgressMeter progress;
   const VolumeLayout& layout = source.layout();
   const SliceRanges ranges =
-      buildSliceRanges(source, 0, blockLayout(layout.dims, options.block, 1), pool, progress);
+      buildSliceRanges(source, 0, blockLayout(layout.dims, options.block, 1), {pool, progress});
   const InsideSet inside = insideSet(deviceMap(layout), options.threshold);
   const SurfaceRegion region{options.cells.value_or(boxOf(layout.dims - Vec3i{1, 1, 1})),
                              options.is_closed};

@@ -20,8 +20,8 @@ BrickRanges bricksOf(VolumeSource& source, int64_t block, int ghost = 0, int thr
   WorkerPool pool(threads);
   ProgressMeter quiet;
   BrickRanges bricks;
-  buildSliceRanges(source, 0, blockLayout(source.layout().dims, block, ghost), pool, quiet,
-                   kMostIndexingBytes, {}, bricks);
+  buildSliceRanges(source, 0, blockLayout(source.layout().dims, block, ghost), {pool, quiet},
+                   bricks);
   return bricks;
 }
 

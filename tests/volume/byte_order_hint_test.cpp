@@ -19,7 +19,7 @@ bool looksSwapped(VolumeSource& source) {
   WorkerPool pool(2);
   ProgressMeter quiet;
   return looksByteSwapped(
-      buildSliceRanges(source, 0, blockLayout(source.layout().dims, 32, 0), pool, quiet),
+      buildSliceRanges(source, 0, blockLayout(source.layout().dims, 32, 0), {pool, quiet}),
       source.layout().type);
 }
 

@@ -29,7 +29,7 @@ struct Learning {
   SliceRanges whole() const {
     WorkerPool pool(2);
     ProgressMeter progress;
-    return buildSliceRanges(source, 0, layout, pool, progress);
+    return buildSliceRanges(source, 0, layout, {pool, progress});
   }
 
   VolumeSource& source;

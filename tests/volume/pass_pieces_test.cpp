@@ -87,7 +87,7 @@ Built build(VolumeSource& source, const BlockLayout& layout, uint64_t most_bytes
   ProgressMeter progress;
   Built built;
   built.ranges =
-      buildSliceRanges(source, 0, layout, pool, progress, most_bytes, {}, built.bricks, taker);
+      buildSliceRanges(source, 0, layout, {pool, progress, most_bytes}, built.bricks, taker);
   return built;
 }
 
@@ -142,7 +142,7 @@ TEST(SharedPass, forTheTakerAloneReadsTheLayersThatItWants) {
   for (const bool wants : {true, false}) {
     NotingTaker taker(*source, 8);
     taker.wants = wants;
-    passVoxels(*source, 0, blockLayout({40, 30, 20}, 16, 0), pool, progress, 1 << 20, {}, taker);
+    passVoxels(*source, 0, blockLayout({40, 30, 20}, 16, 0), {pool, progress, 1 << 20}, taker);
     EXPECT_EQ(taker.times(), wants ? std::pair(1, 1) : std::pair(0, 0));
     EXPECT_EQ(taker.wrong, 0);
     EXPECT_EQ(taker.ended(), 20);
@@ -170,13 +170,13 @@ TEST(SharedPass, itsProgressReachesTheEnd) {
       NotingTaker taker(*source, 16);
       taker.wants = wants;
       ProgressMeter alone(watch);
-      passVoxels(*source, 0, layout, pool, alone, 1 << 20, {}, taker);
+      passVoxels(*source, 0, layout, {pool, alone, 1 << 20}, taker);
       EXPECT_EQ(last, all);
       last = 0;
       ProgressMeter shared(watch);
       NotingTaker other(*source, 16);
       BrickRanges bricks;
-      buildSliceRanges(*source, 0, layout, pool, shared, 1 << 20, {}, bricks, &other);
+      buildSliceRanges(*source, 0, layout, {pool, shared, 1 << 20}, bricks, &other);
       EXPECT_EQ(last, all);
     }
 }
@@ -225,8 +225,7 @@ TEST(SharedPass, tellsTheSourceOfEachPieceBeforehandAcrossLayers) {
   BrickRanges bricks;
   NotingTaker taker(source, 16);
   taker.looks = false;
-  buildSliceRanges(source, 0, blockLayout({33, 47, 41}, 16, 0), alone, progress, kMostIndexingBytes,
-                   {}, bricks, &taker);
+  buildSliceRanges(source, 0, blockLayout({33, 47, 41}, 16, 0), {alone, progress}, bricks, &taker);
   expectToldBeforehand(source);
 }
 
@@ -234,8 +233,7 @@ TEST(SharedPass, tellsTheSourceOfRunsToo) {
   TellingSource source(makeWhiteNoise({33, 47, 41}, VoxelType::kU8, 4));
   WorkerPool alone(1);
   ProgressMeter progress;
-  buildSliceRanges(source, 0, blockLayout({33, 47, 41}, 16, 0), alone, progress, kMostIndexingBytes,
-                   {});
+  buildSliceRanges(source, 0, blockLayout({33, 47, 41}, 16, 0), {alone, progress});
   expectToldBeforehand(source);
 }
 

@@ -10,8 +10,8 @@ namespace sluice {
 SliceRanges buildRanges(VolumeSource& source, int64_t size, int ghost, int threads, int64_t time) {
   WorkerPool pool(threads);
   ProgressMeter quiet;
-  return buildSliceRanges(source, time, blockLayout(source.layout().dims, size, ghost), pool,
-                          quiet);
+  return buildSliceRanges(source, time, blockLayout(source.layout().dims, size, ghost),
+                          {pool, quiet, kMostIndexingBytes});
 }
 
 double deviceValue(VoxelType type, double stored) {

@@ -227,8 +227,8 @@ TEST(SliceRanges, aStopEndsThePass) {
   ProgressMeter quiet;
   StopSource stop;
   stop.requestStop();
-  EXPECT_THROW(buildSliceRanges(*source, 0, blockLayout(source->layout().dims, 8, 0), pool, quiet,
-                                kMostIndexingBytes, stop.token()),
+  EXPECT_THROW(buildSliceRanges(*source, 0, blockLayout(source->layout().dims, 8, 0),
+                                {pool, quiet, kMostIndexingBytes, stop.token()}),
                Interrupted);
 }
 

@@ -18,8 +18,8 @@
 #include "src/volume/voxels/device_reader.h"
 #include "tools/bench/bench.h"
 #include "tools/bench/culling_print.h"
-#include "tools/command_line/interrupt.h"
 #include "tools/options/shared_options.h"
+#include "tools/scene/open_scene.h"
 #include "tools/scene/series.h"
 
 namespace sluice {
@@ -48,8 +48,7 @@ struct Opened {
         look(lookFor(volume, bench.look, Mode::kComposite)) {
     ProgressMeter progress;
     for (int64_t time = 0; time < volume.source->layout().time_steps; ++time)
-      steps.push_back(stepOfSeries(
-          volume, time, {pool, progress, memoryBudget(bench.resources), interruption()}));
+      steps.push_back(stepOfSeries(volume, time, passOf(pool, progress, bench.resources)));
     shown = std::make_shared<const Look>(makeLook(steps.front(), look.transfer, Mode::kComposite));
   }
   const VolumeLayout& layout() const { return volume.source->layout(); }
@@ -246,7 +245,7 @@ json fusionOf(Opened& opened, const CullingBench& bench) {
     ProgressMeter progress;
     const SeriesFunctions functions =
         seriesFunctions(opened.volume, opened.look.transfer, options,
-                        {opened.pool, progress, memoryBudget(bench.resources), interruption()});
+                        passOf(opened.pool, progress, bench.resources));
     CulledBlocks culled = culledBy(opened, bench, functions, Culling::kToc);
     int64_t visible = 0;
     for (size_t step = 0; step < opened.steps.size(); ++step) {

@@ -280,8 +280,9 @@ double rebuildSeconds(const ThresholdRun& bench) {
     const Stopwatch watch;
     ProgressMeter silent;
     TimeStep step = bench.scene.volume.step();
-    step.ranges = std::make_shared<const SliceRanges>(buildSliceRanges(
-        *step.source, step.time, bench.scene.volume.layout, bench.scene.pool, silent));
+    step.ranges = std::make_shared<const SliceRanges>(
+        buildSliceRanges(*step.source, step.time, bench.scene.volume.layout,
+                         {bench.scene.pool, silent, kMostIndexingBytes}));
     const auto session = bench.sessionOf(step, bench.scene.memory_bytes);
     session->setTransferFunction(transfers[static_cast<size_t>(i) % transfers.size()]);
     session->frameReport();

@@ -95,7 +95,7 @@ std::shared_ptr<const IndexedRanges> indexStore(const PackArguments& arguments, 
     IndexedVolume volume = openIndexed(store, resources, kUsualNeeds, pool);
     // The first step was indexed when the store was opened.
     for (int64_t t = 1; t < volume.source->layout().time_steps; ++t)
-      rangesOfStep(volume, t, {pool, progress, memoryBudget(arguments.resources), interruption()});
+      rangesOfStep(volume, t, passOf(pool, progress, arguments.resources));
     if (c == 0) first = volume.index;
   }
   return first;

@@ -175,7 +175,7 @@ class Frames {
     drawn_.step_vox = shown.step_vox;
     std::string empty, empty_layers;
     if (job_.is_first) {
-      const IndexPass pass{scene_.pool, *progress_, scene_.memory_bytes, interruption()};
+      const IndexPass pass = passOf(scene_, *progress_);
       const int64_t time = timeOf(arguments_, job_.to_draw[at]);
       empty = scene_.whyNothing(frame, time, shown, pass);
       empty_layers = scene_.emptyLayers(frame, time, shown, pass);

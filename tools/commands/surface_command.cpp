@@ -14,7 +14,6 @@
 #include "src/library/drawing/scene/resources.h"
 #include "src/library/volume_surface.h"
 #include "tools/command_line/console.h"
-#include "tools/command_line/interrupt.h"
 #include "tools/command_line/outputs.h"
 #include "tools/command_line/progress_line.h"
 #include "tools/commands/commands.h"
@@ -80,8 +79,8 @@ int run(SurfaceArguments& arguments, const CLI::App& app) {
   VolumeSurface made;
   {
     ProgressMeter progress(arguments.resources.quiet ? ProgressWatch() : progressLine("surface"));
-    made = makeSurface(volume, arguments.surface, file,
-                       {pool, progress, memoryBudget(arguments.resources), interruption()});
+    made =
+        makeSurface(volume, arguments.surface, file, passOf(pool, progress, arguments.resources));
   }
   // The bytes reach the disk here, which is a time of its own in the report.
   const Stopwatch watch;

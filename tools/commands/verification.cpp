@@ -15,7 +15,6 @@
 #include "src/render/blocks/cut/cut_rules.h"
 #include "src/render/frame/pixel_rays.h"
 #include "src/render/session/blended_frame.h"
-#include "tools/command_line/interrupt.h"
 #include "tools/command_line/progress_line.h"
 
 namespace sluice {
@@ -167,7 +166,7 @@ Verification verify(Scene& scene, const VerifiedView& view, FrameOptions options
     layer->volume.source->holdAtMost(0);
   }
   ProgressMeter progress(view.resources.quiet ? ProgressWatch() : progressLine("verifying"));
-  const IndexPass pass{scene.pool, progress, scene.memory_bytes, interruption()};
+  const IndexPass pass = passOf(scene, progress);
   std::vector<IndexedVolume> volumes = openAnew(scene, view, pass);
   if (scene.blends()) {
     std::vector<std::pair<const IndexedVolume*, PageGeometry*>> pages;

@@ -8,8 +8,8 @@
 #include "src/index/box_store.h"
 #include "src/library/drawing/scene/resources.h"
 #include "tools/command_line/console.h"
-#include "tools/command_line/interrupt.h"
 #include "tools/command_line/progress_line.h"
+#include "tools/scene/open_scene.h"
 
 namespace sluice {
 
@@ -27,11 +27,11 @@ PlannedBoxes planBoxes(const BoxesWish& wish, const IndexedVolume& volume,
       wish.resources.quiet ? ProgressMeter() : ProgressMeter(progressLine("growing boxes"));
   // The pass is made for the bricks; the boxes that a picture needs are kept on the way.
   BoxIndexWriter index(*volume.source, volume.places, wish.time, ranges);
-  planned.cost = partitionCost(
-      *volume.source, wish.time, ranges, shown.look->table, crop, pool, progress,
-      // The other half holds what the plan is made of.
-      std::min(memoryBudget(wish.resources) / 2, kMostGrowingBytes),
-      [&](int64_t block, const BoxTree& tree) { index.add(block, tree); }, interruption());
+  VolumePass pass = passOf(pool, progress, wish.resources);
+  // The other half holds what the plan is made of.
+  pass.memory_bytes = std::min(pass.memory_bytes / 2, kMostGrowingBytes);
+  planned.cost = partitionCost(*volume.source, wish.time, ranges, shown.look->table, crop, pass,
+                               [&](int64_t block, const BoxTree& tree) { index.add(block, tree); });
   planned.pieces_kept = index.piecesWritten();
   planned.seconds = watch.lap();
   return planned;

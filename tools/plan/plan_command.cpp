@@ -14,7 +14,6 @@
 #include "src/library/drawing/cost/planned_channels.h"
 #include "src/library/drawing/scene/device_choice.h"
 #include "tools/command_line/console.h"
-#include "tools/command_line/interrupt.h"
 #include "tools/command_line/progress_line.h"
 #include "tools/commands/commands.h"
 #include "tools/options/idle_options.h"
@@ -28,6 +27,7 @@
 #include "tools/plan/plan_forecast.h"
 #include "tools/plan/plan_report.h"
 #include "tools/plan/plan_server.h"
+#include "tools/scene/open_scene.h"
 #include "tools/scene/opened_picture.h"
 #include "tools/scene/series.h"
 #include "tools/scene/workers.h"
@@ -67,7 +67,7 @@ std::unique_ptr<PlannedCulling> plannedCulling(const PlanArguments& arguments,
   ProgressMeter progress;
   std::optional<SeriesFunctions> functions =
       keptSeriesFunctions(volume, transfer, seriesOptions(culling, volume),
-                          {pool, progress, memory_bytes, interruption()});
+                          passOf(pool, progress, arguments.resources));
   if (!functions)
     fail(
         "{}: the series is not prepared for this look, which --culling needs; sluice prepare does "

@@ -24,10 +24,10 @@ ProgressWatch indexingLine(const ResourceArguments& resources) {
 IndexedVolume indexed(ChannelSource opened, const ResourceArguments& resources,
                       const IndexNeeds& needs, WorkerPool& pool, std::vector<std::string>& said) {
   ProgressMeter progress(indexingLine(resources));
+  IndexPass pass = passOf(pool, progress, resources);
+  if (!resources.quiet) pass.announce = printNotice;
   IndexedVolume volume = indexVolume(std::move(opened.source), opened.arguments, resources, needs,
-                                     indexWish(resources.index_dir),
-                                     {pool, progress, memoryBudget(resources), interruption(),
-                                      resources.quiet ? nullptr : printNotice});
+                                     indexWish(resources.index_dir), pass);
   volume.channel = std::move(opened.channel);
   std::ranges::move(opened.notes, std::back_inserter(volume.notes));
   for (const std::string& note : volume.notes) {
@@ -49,6 +49,14 @@ bool mayBlend(const std::vector<ChannelSource>& channels, const LookArguments& l
 }
 
 }  // namespace
+
+IndexPass passOf(WorkerPool& pool, ProgressMeter& progress, const ResourceArguments& resources) {
+  return {{pool, progress, memoryBudget(resources), interruption()}};
+}
+
+IndexPass passOf(const Scene& scene, ProgressMeter& progress) {
+  return {{scene.pool, progress, scene.memory_bytes, interruption()}};
+}
 
 IndexedVolume openIndexed(const VolumeArguments& arguments, const ResourceArguments& resources,
                           const IndexNeeds& needs, WorkerPool& pool, const Outputs& outputs) {
@@ -153,15 +161,14 @@ bool mustReadFinest(const IndexedVolume& volume, const TransferFunction& transfe
 void fitCameras(std::vector<Camera>& cameras, FitChoice choice, const FitRequest& request,
                 Room room, const ResourceArguments& resources, WorkerPool& pool) {
   ProgressMeter progress(indexingLine(resources));
-  fitCameras(cameras, choice, request, room,
-             {pool, progress, memoryBudget(resources), interruption()});
+  fitCameras(cameras, choice, request, room, passOf(pool, progress, resources));
 }
 
 std::shared_ptr<const std::vector<Vec3d>> depthPoints(const FitRequest& request,
                                                       const ResourceArguments& resources,
                                                       WorkerPool& pool) {
   ProgressMeter progress(indexingLine(resources));
-  return depthPoints(request, {pool, progress, memoryBudget(resources), interruption()});
+  return depthPoints(request, passOf(pool, progress, resources));
 }
 
 TransferFunction transferFor(const IndexedVolume& volume, const LookArguments& look) {

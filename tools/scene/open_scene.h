@@ -15,6 +15,10 @@
 
 namespace sluice {
 
+// A pass within the memory of the options or of a scene, which a signal ends.
+IndexPass passOf(WorkerPool& pool, ProgressMeter& progress, const ResourceArguments& resources);
+IndexPass passOf(const Scene& scene, ProgressMeter& progress);
+
 // Opens the volume, checks the files that the command will write against those it is read from,
 // reads or builds its index, and prints its notes. Throws Error.
 IndexedVolume openIndexed(const VolumeArguments& volume, const ResourceArguments& resources,

@@ -30,7 +30,7 @@ std::optional<SeriesFunctions> preparedFunctions(Scene& scene, const CullingArgu
   ProgressMeter progress;
   std::optional<SeriesFunctions> functions =
       keptSeriesFunctions(scene.volume, scene.look.transfer, seriesOptions(culling, scene.volume),
-                          {scene.pool, progress, memoryBudget(resources), interruption()});
+                          passOf(scene.pool, progress, resources));
   if (functions && !resources.quiet && !functions->note.empty()) printWarning(functions->note);
   return functions;
 }
@@ -71,9 +71,8 @@ SeriesFunctions openFunctions(const IndexedVolume& volume, const TransferFunctio
                               const CullingArguments& culling, const ResourceArguments& resources,
                               WorkerPool& pool) {
   ProgressMeter progress(preparingLine(resources));
-  SeriesFunctions functions =
-      seriesFunctions(volume, transfer, seriesOptions(culling, volume),
-                      {pool, progress, memoryBudget(resources), interruption()});
+  SeriesFunctions functions = seriesFunctions(volume, transfer, seriesOptions(culling, volume),
+                                              passOf(pool, progress, resources));
   if (!resources.quiet && !functions.note.empty()) printWarning(functions.note);
   return functions;
 }
@@ -185,8 +184,7 @@ const std::vector<TimeStep>& Series::steps(int64_t time) {
   std::vector<TimeStep> steps;
   scene_.inTurn([&] {
     for (const Layer* layer : scene_.layers())
-      steps.push_back(stepOfSeries(layer->volume, time,
-                                   {scene_.pool, progress, scene_.memory_bytes, interruption()}));
+      steps.push_back(stepOfSeries(layer->volume, time, passOf(scene_, progress)));
   });
   if (scene_.share && time != scene_.volume.time)
     expectSameStep(scene_.share->team(), scene_, steps);

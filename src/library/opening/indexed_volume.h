@@ -71,12 +71,8 @@ struct IndexedVolume {
   ValueRange finiteRange() const;
 };
 
-// The pass over the voxels if an index is missing: its threads, limits and watcher.
-struct IndexPass {
-  WorkerPool& pool;
-  ProgressMeter& progress;
-  uint64_t memory_bytes = UINT64_MAX;
-  StopToken stop = {};
+// The pass over the voxels if an index is missing.
+struct IndexPass : VolumePass {
   // Told beforehand what will be written in addition to the index, and how large it is; may be
   // null.
   std::function<void(const std::string& line)> announce = {};

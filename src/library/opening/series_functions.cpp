@@ -109,9 +109,10 @@ SeriesFunctions functionsOfLook(const IndexedVolume& volume, const TransferFunct
   how.part_cells = options.part_cells;
   how.detail_bits = options.detail_bits;
   how.directions = recipe.directions;
-  how.most_bytes = std::min(how.most_bytes, pass.memory_bytes / 4);
-  kept->opacity = makeSeriesOpacity(*volume.source, volume.layout, steps, table, how, pass.pool,
-                                    pass.progress, &kept->report, pass.stop);
+  VolumePass within = pass;
+  within.memory_bytes = std::min(kMostSeriesBytes, pass.memory_bytes / 4);
+  kept->opacity =
+      makeSeriesOpacity(*volume.source, volume.layout, steps, table, how, within, &kept->report);
   SeriesFunctions made;
   made.kept = std::move(kept);
   if (options.anew) {

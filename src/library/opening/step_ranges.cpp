@@ -11,11 +11,13 @@ namespace {
 // `side`: the levels to be made in the same pass; null: none.
 IndexedRanges passedRanges(const IndexedVolume& volume, int64_t time, const IndexPass& pass,
                            const SideLevels* side) {
-  const uint64_t bytes = pass.memory_bytes - (side == nullptr ? 0 : side->heldBytes());
+  VolumePass within = pass;
+  if (side != nullptr) within.memory_bytes -= side->heldBytes();
   // The first opening reads everything, and nothing else is in memory then.
-  volume.source->holdAtMost(std::min(bytes / 4, volume.source->passReads().most_bytes));
-  return indexedRanges(*volume.source, volume.places, time, volume.layout, pass.pool, pass.progress,
-                       bytes, pass.stop, side == nullptr ? nullptr : side->taker());
+  volume.source->holdAtMost(
+      std::min(within.memory_bytes / 4, volume.source->passReads().most_bytes));
+  return indexedRanges(*volume.source, volume.places, time, volume.layout, within,
+                       side == nullptr ? nullptr : side->taker());
 }
 
 const CoarserLevel& levelAt(const IndexedVolume& volume, int level) {
@@ -32,8 +34,7 @@ std::shared_ptr<const IndexedRanges> indexOfLevel(const IndexedVolume& volume, i
   // A sample is never the same again.
   if (volume.sample && level == volume.pyramid->levels() - 1) places.disabled = true;
   return std::make_shared<const IndexedRanges>(indexedRanges(
-      *levelAt(volume, level).source, places, time, volume.pyramid->level(level).blocks, pass.pool,
-      pass.progress, pass.memory_bytes, pass.stop));
+      *levelAt(volume, level).source, places, time, volume.pyramid->level(level).blocks, pass));
 }
 
 // The same if it is kept, without reading the level; otherwise null.
@@ -138,8 +139,9 @@ void passOverCoarsest(const IndexedVolume& volume, VolumeSource& coarsest, const
       blockLayout(coarsest.layout().dims, volume.layout.size, volume.layout.ghost);
   volume.source->holdAtMost(pass.memory_bytes / 4);
   // The ranges are not needed here: the pass is for the levels that are made in it.
-  indexedRanges(coarsest, volume.places, volume.time, blocks, pass.pool, pass.progress,
-                pass.memory_bytes - side.heldBytes(), pass.stop, side.taker());
+  VolumePass within = pass;
+  within.memory_bytes -= side.heldBytes();
+  indexedRanges(coarsest, volume.places, volume.time, blocks, within, side.taker());
 }
 
 void indexLevels(IndexedVolume& volume, int least, const IndexPass& pass) {

@@ -17,9 +17,9 @@ constexpr size_t kExpectedPieces = 2;
 
 void passPieces(const PassedVoxels& passed, std::span<const PassPiece> pieces, size_t count,
                 const TakePiece& take) {
-  const size_t ahead = kExpectedPieces * static_cast<size_t>(passed.pool.threads());
-  passed.pool.parallelFor(static_cast<int64_t>(count), [&](int64_t i) {
-    passed.stop.throwIfStopped();
+  const size_t ahead = kExpectedPieces * static_cast<size_t>(passed.pass.pool.threads());
+  passed.pass.pool.parallelFor(static_cast<int64_t>(count), [&](int64_t i) {
+    passed.pass.stop.throwIfStopped();
     const auto piece = static_cast<size_t>(i);
     if (const size_t later = piece + ahead; later < pieces.size())
       passed.source.expectRegion(passed.time, pieces[later].read);
@@ -28,7 +28,8 @@ void passPieces(const PassedVoxels& passed, std::span<const PassPiece> pieces, s
 }
 
 void passInTiles(const PassedVoxels& passed, int64_t most_voxels, PassLayers layers,
-                 VoxelTaker& taker, ProgressMeter& progress, const TakePiece& take) {
+                 VoxelTaker& taker, const TakePiece& take) {
+  ProgressMeter& progress = passed.pass.progress;
   const BlockLayout& layout = passed.layout;
   const int64_t side = taker.side();
   const size_t voxel_bytes = bytesPerVoxel(passed.source.layout().type);
@@ -62,9 +63,8 @@ int64_t voxelsPerTile(size_t voxel_bytes, uint64_t thread_bytes) {
   return static_cast<int64_t>(std::min(kBytesPerRead, thread_bytes) / voxel_bytes);
 }
 
-void passVoxels(VolumeSource& source, int64_t time, const BlockLayout& layout, WorkerPool& pool,
-                ProgressMeter& progress, uint64_t most_bytes, const StopToken& stop,
-                VoxelTaker& taker) {
+void passVoxels(VolumeSource& source, int64_t time, const BlockLayout& layout,
+                const VolumePass& pass, VoxelTaker& taker) {
   const std::vector<int64_t> blocks = candidateBlocks(layout, source.occupancy(time));
   const size_t voxel_bytes = bytesPerVoxel(source.layout().type);
   const TakePiece take = [&](const PassPiece& piece) {
@@ -74,9 +74,10 @@ void passVoxels(VolumeSource& source, int64_t time, const BlockLayout& layout, W
     const Vec3i size = piece.own.size();
     taker.take({piece.own, stored.get(), size.x, size.x * size.y});
   };
-  passInTiles({source, time, layout, blocks, pool, stop},
-              voxelsPerTile(voxel_bytes, most_bytes / static_cast<uint64_t>(pool.threads())),
-              PassLayers::kWanted, taker, progress, take);
+  const auto threads = static_cast<uint64_t>(pass.pool.threads());
+  passInTiles({source, time, layout, blocks, pass},
+              voxelsPerTile(voxel_bytes, pass.memory_bytes / threads), PassLayers::kWanted, taker,
+              take);
 }
 
 }  // namespace sluice

@@ -12,11 +12,9 @@
 
 #include "src/base/sources/volume_source.h"
 #include "src/base/sources/voxel_taker.h"
-#include "src/base/threads/progress_meter.h"
-#include "src/base/threads/stop_token.h"
-#include "src/base/threads/worker_pool.h"
 #include "src/volume/block_layout.h"
 #include "src/volume/passes/pass_pieces.h"
+#include "src/volume/passes/volume_pass.h"
 
 namespace sluice {
 
@@ -24,14 +22,13 @@ namespace sluice {
 // row of a very wide volume is cut.
 inline constexpr uint64_t kBytesPerRead = uint64_t{32} << 20;
 
-// The voxels of a pass, and the threads that read them.
+// The voxels that a pass reads.
 struct PassedVoxels {
   VolumeSource& source;
   int64_t time;
   const BlockLayout& layout;
   const std::vector<int64_t>& blocks;  // ascending
-  WorkerPool& pool;
-  const StopToken& stop;
+  const VolumePass& pass;
 };
 
 // A pass calls this for its pieces, from any thread.
@@ -48,12 +45,11 @@ void passPieces(const PassedVoxels& passed, std::span<const PassPiece> pieces, s
 // The same for all tiles of the blocks, with taker.layersBefore() at the end of each layer. The
 // progress counts all stored bytes of the volume, those of layers and tiles that are left out, too.
 void passInTiles(const PassedVoxels& passed, int64_t most_voxels, PassLayers layers,
-                 VoxelTaker& taker, ProgressMeter& progress, const TakePiece& take);
+                 VoxelTaker& taker, const TakePiece& take);
 
 // A pass for `taker` alone, over the layers that it wants. Throws as passPieces() does.
-void passVoxels(VolumeSource& source, int64_t time, const BlockLayout& layout, WorkerPool& pool,
-                ProgressMeter& progress, uint64_t most_bytes, const StopToken& stop,
-                VoxelTaker& taker);
+void passVoxels(VolumeSource& source, int64_t time, const BlockLayout& layout,
+                const VolumePass& pass, VoxelTaker& taker);
 
 // The most voxels of a tile if a voxel as it is read and as it is kept take `voxel_bytes` together.
 int64_t voxelsPerTile(size_t voxel_bytes, uint64_t thread_bytes);

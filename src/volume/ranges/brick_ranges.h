@@ -55,10 +55,9 @@ BrickRanges brickGrid(const Box3& cells);
 
 // The same pass over the voxels as the other buildSliceRanges(), and the bricks from it. `taker`,
 // if there is one, gets all voxels that are read; the pieces are then cut as it wants them, so that
-// `most_bytes` should have room for a piece of its side() cubed a thread.
+// the pass's memory should have room for a piece of its side() cubed a thread.
 SliceRanges buildSliceRanges(VolumeSource& source, int64_t time, const BlockLayout& layout,
-                             WorkerPool& pool, ProgressMeter& progress, uint64_t most_bytes,
-                             const StopToken& stop, BrickRanges& bricks,
+                             const VolumePass& pass, BrickRanges& bricks,
                              VoxelTaker* taker = nullptr);
 
 // Whether each brick of `grid`, x fastest, has a cell of a block that is not among `blocks`.

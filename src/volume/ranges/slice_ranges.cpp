@@ -351,15 +351,13 @@ std::shared_ptr<const SliceRanges> listedRanges(std::shared_ptr<const SliceRange
 }
 
 SliceRanges buildSliceRanges(VolumeSource& source, int64_t time, const BlockLayout& layout,
-                             WorkerPool& pool, ProgressMeter& progress, uint64_t most_bytes,
-                             const StopToken& stop) {
+                             const VolumePass& pass) {
   BrickRanges unused;
-  return buildSliceRanges(source, time, layout, pool, progress, most_bytes, stop, unused);
+  return buildSliceRanges(source, time, layout, pass, unused);
 }
 
 SliceRanges buildSliceRanges(VolumeSource& source, int64_t time, const BlockLayout& layout,
-                             WorkerPool& pool, ProgressMeter& progress, uint64_t most_bytes,
-                             const StopToken& stop, BrickRanges& bricks, VoxelTaker* taker) {
+                             const VolumePass& pass, BrickRanges& bricks, VoxelTaker* taker) {
   SliceRanges result;
   result.layout = layout;
   result.map = deviceMap(source.layout());
@@ -368,8 +366,8 @@ SliceRanges buildSliceRanges(VolumeSource& source, int64_t time, const BlockLayo
   const size_t stored_bytes = bytesPerVoxel(source.layout().type);
   const size_t voxel_bytes = stored_bytes + bytesPerVoxel(result.map.type);
   // A thread's voxels as they are stored and as device voxels are held at the same time.
-  const uint64_t thread_bytes = most_bytes / static_cast<uint64_t>(pool.threads());
-  const PassedVoxels passed{source, time, layout, result.blocks, pool, stop};
+  const uint64_t thread_bytes = pass.memory_bytes / static_cast<uint64_t>(pass.pool.threads());
+  const PassedVoxels passed{source, time, layout, result.blocks, pass};
   visitDeviceType(result.map.type, [&](auto tag) {
     Builder<decltype(tag)> builder(source, time, result, occupancy);
     const TakePiece take = [&](const PassPiece& piece) { builder.takePiece(piece, taker); };
@@ -380,14 +378,13 @@ SliceRanges buildSliceRanges(VolumeSource& source, int64_t time, const BlockLayo
           runsOf(layout, result.blocks, blocksPerRead(layout, voxel_bytes, thread_bytes));
       uint64_t voxels = 0;
       for (const PassPiece& run : runs) voxels += static_cast<uint64_t>(run.own.count());
-      progress.expect(voxels * stored_bytes);
+      pass.progress.expect(voxels * stored_bytes);
       passPieces(passed, runs, runs.size(), [&](const PassPiece& run) {
         take(run);
-        progress.add(static_cast<uint64_t>(run.own.count()) * stored_bytes);
+        pass.progress.add(static_cast<uint64_t>(run.own.count()) * stored_bytes);
       });
     } else {
-      passInTiles(passed, voxelsPerTile(voxel_bytes, thread_bytes), PassLayers::kAll, *taker,
-                  progress, take);
+      passInTiles(passed, voxelsPerTile(voxel_bytes, thread_bytes), PassLayers::kAll, *taker, take);
     }
     bricks = builder.finish(backgroundOf(source, occupancy));
   });

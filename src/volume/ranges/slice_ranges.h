@@ -20,11 +20,9 @@
 #include <vector>
 
 #include "src/base/sources/volume_source.h"
-#include "src/base/threads/progress_meter.h"
-#include "src/base/threads/stop_token.h"
-#include "src/base/threads/worker_pool.h"
 #include "src/base/values/value_counts.h"
 #include "src/volume/block_layout.h"
+#include "src/volume/passes/volume_pass.h"
 #include "src/volume/voxels/device_voxel.h"
 
 namespace sluice {
@@ -86,12 +84,10 @@ struct SliceRanges {
 inline constexpr uint64_t kMostIndexingBytes = uint64_t{128} << 20;
 
 // Reads the blocks that may hold something else than the background, each once, in rows of blocks
-// on all threads of `pool`, and holds at most `most_bytes` of voxels (or a block a thread)
-// meanwhile. Adds the bytes of those blocks to the total of `progress`. Throws Error from the
-// source, Interrupted when `stop` asks for it.
+// on all threads of the pass, and holds at most its memory of voxels (or a block a thread)
+// meanwhile. Throws Error from the source, Interrupted.
 SliceRanges buildSliceRanges(VolumeSource& source, int64_t time, const BlockLayout& layout,
-                             WorkerPool& pool, ProgressMeter& progress,
-                             uint64_t most_bytes = kMostIndexingBytes, const StopToken& stop = {});
+                             const VolumePass& pass);
 
 // When a source is asked which blocks may hold something else than the background, which takes long
 // if its chunks are many files.

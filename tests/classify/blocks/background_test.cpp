@@ -25,7 +25,7 @@ SliceRanges sparseRanges(Vec3i dims, double background, std::vector<Box3> boxes,
       Occupancy{background, boxes});
   WorkerPool pool(2);
   ProgressMeter quiet;
-  return buildSliceRanges(source, 0, blockLayout(dims, size, 0), pool, quiet);
+  return buildSliceRanges(source, 0, blockLayout(dims, size, 0), {pool, quiet});
 }
 
 TEST(Background, invisibleBackgroundIsWhite) {

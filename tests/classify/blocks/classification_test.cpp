@@ -64,7 +64,7 @@ Volume volumeOf(std::unique_ptr<MemorySource> source, int64_t size, int ghost = 
   WorkerPool pool(2);
   ProgressMeter quiet;
   SliceRanges ranges =
-      buildSliceRanges(*source, 0, blockLayout(source->layout().dims, size, ghost), pool, quiet);
+      buildSliceRanges(*source, 0, blockLayout(source->layout().dims, size, ghost), {pool, quiet});
   return {std::move(source), std::move(ranges)};
 }
 

@@ -22,8 +22,8 @@ Ranges rangesOf(VolumeSource& source, int64_t block, int ghost = 0) {
   WorkerPool pool(2);
   ProgressMeter progress;
   Ranges ranges;
-  ranges.slices = buildSliceRanges(source, 0, blockLayout(source.layout().dims, block, ghost), pool,
-                                   progress, kMostIndexingBytes, {}, ranges.bricks);
+  ranges.slices = buildSliceRanges(source, 0, blockLayout(source.layout().dims, block, ghost),
+                                   {pool, progress}, ranges.bricks);
   return ranges;
 }
 std::vector<Box3> visibleCells(const Ranges& ranges, const TransferFunction& transfer,

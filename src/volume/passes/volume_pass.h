@@ -1,0 +1,20 @@
+// What each pass over a volume's voxels is given: threads, a watcher, a limit and a stop token.
+#pragma once
+
+#include <cstdint>
+
+#include "src/base/threads/progress_meter.h"
+#include "src/base/threads/stop_token.h"
+#include "src/base/threads/worker_pool.h"
+
+namespace sluice {
+
+// Refers to the caller's pool and meter, which must outlive the pass.
+struct VolumePass {
+  WorkerPool& pool;
+  ProgressMeter& progress;             // its total grows by the bytes that the pass reads
+  uint64_t memory_bytes = UINT64_MAX;  // limit for all threads together
+  StopToken stop = {};                 // ends the pass with Interrupted
+};
+
+}  // namespace sluice
