@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "src/base/error.h"
+#include "src/cpu/added_boxes.h"
 #include "src/cpu/kernels/kernel_box.h"
 #include "src/cpu/least_opacity.h"
 #include "src/device/drawing_cost.h"
@@ -26,11 +27,8 @@ constexpr size_t kMostPutOffBoxes = 1 << 16;
 constexpr double kMostShownToLeap = 0.9;
 // The fewest leap grids of evicted chunks after which those of lost texels are thrown away.
 constexpr size_t kMostEvicted = 64;
-// Boxes of a tile between two looks whether to stop.
-constexpr size_t kBoxesBetweenStops = 256;
+}  // namespace
 
-// body(tile) for each, until one throws. A thread begins with the tiles that it had in the last
-// frame, whose pixels and texels its caches may hold, and then helps the others.
 void eachTile(WorkerPool& pool, int64_t tiles, const std::function<void(int64_t tile)>& body) {
   // A cache line each, so that threads do not wait for each other's counters.
   struct alignas(64) Share {
@@ -59,8 +57,6 @@ void eachTile(WorkerPool& pool, int64_t tiles, const std::function<void(int64_t 
   });
 }
 
-}  // namespace
-
 CpuDevice::CpuDevice(WorkerPool& pool, SimdTarget target)
     : pool_(pool),
       kernels_(kernelsOf(target)),
@@ -87,6 +83,7 @@ void CpuDevice::evict(uint64_t id) {
   const auto found = resident_.find(id);
   SLUICE_CHECK(found != resident_.end());
   // Boxes that were put off still draw from these texels.
+  SLUICE_CHECK(!sum_ || !found->second.is_put_off);
   if (found->second.is_put_off) drawNow();
   auto [texels, is_put_off, leaps, channel] = std::move(found->second);
   resident_.erase(found);
@@ -106,6 +103,12 @@ void CpuDevice::beginFrame(const FrameSetup& setup, const StopToken& stop) {
   if (std::max(setup.size.width, setup.size.height) > kMostPixels)
     failRequest("a picture of {} x {} pixels: the CPU device draws at most {} along an axis",
                 setup.size.width, setup.size.height, kMostPixels);
+  if (sum_) {
+    stop_ = stop;
+    sum_->setups.push_back(setup);
+    sum_->boxes.emplace_back();
+    return;
+  }
   forgetPutOff();
   setup_ = setup;
   stop_ = stop;
@@ -151,14 +154,19 @@ TileBins CpuDevice::binsOf(const std::vector<KernelBox>& boxes) const {
 
 void CpuDevice::draw(std::span<const BoxDraw> boxes) {
   stop_.throwIfStopped();
+  const uint32_t added = sum_ ? static_cast<uint32_t>(sum_->setups.size()) - 1 : 0;
   for (size_t i = 0; i < boxes.size(); ++i) {
     // A chunk is looked up once for all of its boxes in a row.
     if (i == 0 || boxes[i].chunk != boxes[i - 1].chunk) {
       const auto found = resident_.find(boxes[i].chunk);
       SLUICE_CHECK(found != resident_.end());
       found->second.is_put_off = true;
-      found->second.channel = boxes[i].channel;
+      found->second.channel = sum_ ? added : boxes[i].channel;
       ++binds_;
+    }
+    if (sum_) {
+      sum_->boxes.back().push_back(boxes[i]);
+      continue;
     }
     put_off_.push_back(boxes[i]);
     put_off_samples_ += aboutSamples(setup_, boxes[i].cells);
@@ -285,6 +293,7 @@ uint64_t CpuDevice::takenSamples() {
 }
 
 Picture CpuDevice::endFrame() {
+  if (sum_) return {};
   // The memory of the last picture that was given back.
   Picture picture = std::exchange(spare_, {});
   picture_.shape(picture, stop_);

@@ -32,11 +32,18 @@
 #include "src/cpu/tile_parts.h"
 #include "src/cpu/tiled_picture.h"
 #include "src/device/device.h"
+#include "src/device/pictures/added_frames.h"
 #include "src/device/pictures/picture_rows.h"
 
 namespace sluice {
 
-class CpuDevice : public Device, public DrawsRows {
+// Boxes of a tile between two looks whether to stop.
+inline constexpr size_t kBoxesBetweenStops = 256;
+// body(tile) for each, until one throws. A thread begins with the tiles that it had in the last
+// frame, whose pixels and texels its caches may hold, and then helps the others.
+void eachTile(WorkerPool& pool, int64_t tiles, const std::function<void(int64_t tile)>& body);
+
+class CpuDevice : public Device, public DrawsRows, public AddsFrames {
  public:
   // `pool` must outlive the device. Throws Error if the processor lacks the target.
   explicit CpuDevice(WorkerPool& pool, SimdTarget target = SimdTarget::kAuto);
@@ -60,6 +67,9 @@ class CpuDevice : public Device, public DrawsRows {
   void cancelFrame() override { forgetPutOff(); }
   void drawRows(std::optional<PictureRows> rows) override { rows_ = rows; }
   std::optional<PictureRows> rows() const override { return rows_; }
+  void beginSum() override;
+  Sum endSum(float least_opacity) override;
+  void cancelSum() override;
 
  private:
   struct Leaps {
@@ -123,6 +133,12 @@ class CpuDevice : public Device, public DrawsRows {
   TileParts parts_;  // used if the frame is a part
   std::vector<BoxDraw> put_off_;
   double put_off_samples_ = 0;  // about
+  // The frames of a sum with their boxes, all of which are put off.
+  struct AddedFrames {
+    std::vector<FrameSetup> setups;
+    std::vector<std::vector<BoxDraw>> boxes;
+  };
+  std::optional<AddedFrames> sum_;
   std::atomic<uint64_t> taken_ = 0;
   uint64_t binds_ = 0;
 };

@@ -18,6 +18,8 @@ namespace sluice {
                      size_t count, TilePixels& tile);                                              \
   void drawBlended(const KernelFrame* const* frames, size_t channels, const KernelBox* boxes,      \
                    const uint32_t* indices, size_t count, TilePixels& tile);                       \
+  void drawAdded(const KernelFrame* const* frames, size_t channels, const KernelBox* boxes,        \
+                 const uint32_t* indices, size_t count, TilePixels* tiles);                        \
   uint64_t countSamples(const KernelFrame& frame, const KernelBox* boxes, const uint32_t* indices, \
                         size_t count, const TilePixels& tile);                                     \
   void packetShape(int& width, int& height);                                                       \
@@ -33,6 +35,8 @@ void drawOtherMode(const KernelFrame& frame, const KernelBox* boxes, const uint3
                    size_t count, TilePixels& tile);
 void drawBlended(const KernelFrame* const* frames, size_t channels, const KernelBox* boxes,
                  const uint32_t* indices, size_t count, TilePixels& tile);
+void drawAdded(const KernelFrame* const* frames, size_t channels, const KernelBox* boxes,
+               const uint32_t* indices, size_t count, TilePixels* tiles);
 uint64_t countSamples(const KernelFrame& frame, const KernelBox* boxes, const uint32_t* indices,
                       size_t count, const TilePixels& tile);
 void packetShape(int& width, int& height);
@@ -48,15 +52,16 @@ struct TargetKernels {
 using DrawTile = decltype(Kernels::composite);
 
 Kernels kernels(const char* name, void (*shape)(int&, int&), DrawTile composite, DrawTile other,
-                decltype(Kernels::blended) blended, decltype(Kernels::count) count) {
-  Kernels result{name, 1, 1, composite, other, blended, count};
+                decltype(Kernels::blended) blended, decltype(Kernels::added) added,
+                decltype(Kernels::count) count) {
+  Kernels result{name, 1, 1, composite, other, blended, added, count};
   shape(result.packet_width, result.packet_height);
   return result;
 }
 
 #define SLUICE_KERNELS(name, target)                                                  \
   kernels(name, &target::packetShape, &target::drawComposite, &target::drawOtherMode, \
-          &target::drawBlended, &target::countSamples)
+          &target::drawBlended, &target::drawAdded, &target::countSamples)
 
 // Worst first.
 const std::vector<TargetKernels>& compiled() {

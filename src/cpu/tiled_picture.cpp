@@ -129,6 +129,13 @@ void TiledPicture::shape(Picture& picture, const StopToken& stop) const {
   resizeInPieces(picture.depth, depths, stop);
 }
 
+bool TiledPicture::shows(const TilePixels& pixels, float least_opacity) const {
+  for (int y = 0; y < std::min(kTileSide, rows_.hi - pixels.y); ++y)
+    for (int x = 0; x < std::min(kTileSide, size_.width - pixels.x); ++x)
+      if (pixels.color[3][placeOf(x, y)] >= least_opacity) return true;
+  return false;
+}
+
 void TiledPicture::copyTile(const TilePixels& pixels, Picture& picture) const {
   constexpr float kNothing = std::numeric_limits<float>::infinity();  // no depth, as in renderers
   const auto& [red, green, blue, opacity] = pixels.color;

@@ -61,6 +61,8 @@ class TiledPicture {
   // Copies a tile's pixels, if it has some, into a picture of that shape: premultiplied, rows
   // downwards; depths if it has them.
   void copyTile(const TilePixels& pixels, Picture& picture) const;
+  // Whether a pixel of the picture has this opacity in a tile that was drawn.
+  bool shows(const TilePixels& pixels, float least_opacity) const;
   // Visits the place of each row of the tile's pixels in such a picture: rgba.
   template <class F>
   void eachRow(const TilePixels& pixels, Picture& picture, F&& visit) const {

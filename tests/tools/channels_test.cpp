@@ -84,6 +84,26 @@ TEST_F(Channels, pictureIsTheSameForAllBlocksAndBudgets) {
   }
 }
 
+// The second picture of a turn needs no reading, so that its channels are drawn together.
+TEST_F(Channels, drawnTogetherAreThoseDrawnAlone) {
+  for (const char* simd : {"plain", "sse4", "avx2", "avx512"}) {
+    if (program_.run(fmt::format("render cells.ome.zarr --force --simd {} -o try.png", simd))
+            .status != 0)
+      continue;
+    for (const char* options :
+         {"", "--range=-1,255 --opacity 0.02", "--shade --projection perspective",
+          "--range=-1,255 --opacity 0.9 --opacity-threshold 0.9", "--block 8 --jitter",
+          "--range=-1,255 --shade --depth-cueing --clip 1,1,0,20"}) {
+      SCOPED_TRACE(fmt::format("{} {}", simd, options));
+      const std::string common =
+          fmt::format(" --device cpu --force --step 1 --simd {} {} -o ", simd, options);
+      render("cells.ome.zarr --frames 2" + common + "turn_#.png");
+      render("cells.ome.zarr --azimuth 180" + common + "alone.png");
+      EXPECT_LE(difference("sum turn_1.png alone.png"), 1);
+    }
+  }
+}
+
 TEST_F(Channels, stripsMakeTheSamePicture) {
   render("cells.ome.zarr -o whole.png --background 000000", "1200x900");
   render("cells.ome.zarr -o strips.png --background 000000 --memory 60M", "1200x900");

@@ -24,6 +24,8 @@
 #if SLUICE_HAS_KERNELS
 HWY_BEFORE_NAMESPACE();
 namespace sluice::HWY_NAMESPACE {
+void drawComposite(const KernelFrame& frame, const KernelBox* boxes, const uint32_t* indices,
+                   size_t count, TilePixels& tile);
 namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 
@@ -42,75 +44,12 @@ namespace hn = hwy::HWY_NAMESPACE;
 #include "src/cpu/kernels/mixtures.inl"
 // clang-format on
 
-// The places of a packet's samples in the slices between two looks. Bit j of `known` is set if the
-// place of slice j is.
-struct Places {
-  std::array<Place, kSlicesAtOnce> of;
-  uint32_t known = 0;
-};
-
-// The places of a packet's samples in a box.
-struct Line {
-  V3 first, pace;  // texel coordinates at slice `start`, and from slice to slice
-  V start;
-  Cells cells;
-};
-HWY_INLINE V3 placeOn(const Line& line, const V& slice, bool clamps) {
-  const V3 at = fartherBy(hn::Sub(slice, line.start), line.pace, line.first);
-  return clamps ? clamped(line.cells, at) : at;
-}
-
-// The way of a packet through a channel's box. Slices count as FrameSetup has them.
-struct ChannelWay {
-  const KernelFrame* frame;
-  const KernelBox* box;
-  Line line;
-  V from, end;
-  V ray_length;
-  BrickWay bricks;
-  // No slice before it shows anything, as far as is known; the block's end for lanes that are
-  // through the box.
-  V shown;
-  uint32_t places;    // whose Places these samples have, see placesOf()
-  float window_rows;  // about how many a window has, see side_by_side.inl
-  // Slices k + first, ..., k + last - 1 are sampled next, see drawBlock().
-  int first, last;
-};
-
-using SliceValues = std::array<V, kSlicesAtOnce>;
-
-// Adds the channel's samples to the mixtures of slices from k on. `places` are shared by the
-// channels whose samples have the same ones.
-using AddSamples = void (*)(const ChannelWay& way, const V& k, const M& going, Places& places,
-                            Mixtures& mixtures, VI& taken);
-// The same of samples that are read already.
-using AddValues = void (*)(const ChannelWay& way, const V& k, const M& going,
-                           const SliceValues& values, Mixtures& mixtures, VI& taken);
-
-// A channel adds its samples by these: in boxes of one number a texel, and of two.
-struct Adding {
-  AddSamples one = nullptr, two = nullptr;
-  AddValues values = nullptr;  // in boxes of one number; null if samples are read one by one
-
-  AddSamples of(const KernelBox& box) const { return box.has_spread ? two : one; }
-  AddValues valuesOf(const KernelBox& box) const { return box.has_spread ? nullptr : values; }
-};
-
-// The ways of a packet through a block's boxes.
-struct BlockWay {
-  std::array<ChannelWay, kMostBlended> ways;
-  std::array<AddSamples, kMostBlended> adds;
-  std::array<AddValues, kMostBlended> adds_values;
-  int count = 0;
-  V from, end;  // of all
-  V middle;     // of a slice, in slices
-};
-
+#include "src/cpu/kernels/channel_ways.inl"
 #include "src/cpu/kernels/side_by_side.inl"
 
-template <DeviceType kType, Shading kShading>
-HWY_NOINLINE void addSamples(const ChannelWay& way, const V& k, const M& going, Places& places,
-                             Mixtures& mixtures, VI& taken) {
+template <DeviceType kType, Shading kShading, class Into>
+HWY_NOINLINE bool addSamples(const ChannelWay& way, const V& k, const M& going, Places& places,
+                             Into& into, VI& taken) {
   const KernelFrame& frame = *way.frame;
   const KernelBox& box = *way.box;
   const V one = all(1.0F);
@@ -152,45 +91,47 @@ HWY_NOINLINE void addSamples(const ChannelWay& way, const V& k, const M& going, 
   for (int j = first; j < last; ++j, slice = hn::Add(slice, one)) {
     const auto& [shows, value, square] = samples[static_cast<size_t>(j)];
     if (hn::AllFalse(F(), shows)) continue;
-    addColor(
+    const Color color =
         colorOf<kType, kShading>(frame, box, placeOn(line, slice, clamps),
-                                 places.of[static_cast<size_t>(j)], value, square, way.ray_length),
-        shows, j, mixtures);
+                                 places.of[static_cast<size_t>(j)], value, square, way.ray_length);
+    if (!show(way, color, shows, hn::Add(slice, way.middle), j, into)) return false;
   }
+  return true;
 }
 
-template <DeviceType kType>
-Adding addingTyped(const KernelFrame& frame) {
-  const AddSamples two =
-      frame.labels ? &addSamples<kType, Shading::kShares> : &addSamples<kType, Shading::kSpread>;
-  if (frame.lit || frame.rows > 0) return {&addSamples<kType, Shading::kGradients>, two};
+template <class Into, DeviceType kType>
+Adding<Into> addingTyped(const KernelFrame& frame) {
+  const AddSamples<Into> two = frame.labels ? &addSamples<kType, Shading::kShares, Into>
+                                            : &addSamples<kType, Shading::kSpread, Into>;
+  if (frame.lit || frame.rows > 0) return {&addSamples<kType, Shading::kGradients, Into>, two};
   // Packets of four rays gain nothing: copying texels takes as long as the loads that it saves.
   const bool reads_values = kLanes >= 8 && kType == DeviceType::kU8 && !frame.labels;
   if (frame.perspective)
-    return {&addSamples<kType, Shading::kLength>, two,
-            reads_values ? &addValues<Shading::kLength> : nullptr};
-  return {&addSamples<kType, Shading::kTable>, two,
-          reads_values ? &addValues<Shading::kTable> : nullptr};
+    return {&addSamples<kType, Shading::kLength, Into>, two,
+            reads_values ? &addValues<Shading::kLength, Into> : nullptr};
+  return {&addSamples<kType, Shading::kTable, Into>, two,
+          reads_values ? &addValues<Shading::kTable, Into> : nullptr};
 }
-Adding addingOf(const KernelFrame& frame) {
+template <class Into>
+Adding<Into> addingOf(const KernelFrame& frame) {
   switch (frame.type) {
     case DeviceType::kU8:
-      return addingTyped<DeviceType::kU8>(frame);
+      return addingTyped<Into, DeviceType::kU8>(frame);
     case DeviceType::kU16:
-      return addingTyped<DeviceType::kU16>(frame);
+      return addingTyped<Into, DeviceType::kU16>(frame);
     case DeviceType::kF32:
       break;
   }
-  return addingTyped<DeviceType::kF32>(frame);
+  return addingTyped<Into, DeviceType::kF32>(frame);
 }
 
-HWY_INLINE void addWay(const KernelFrame& frame, const KernelBox& box, const Positions& positions,
-                       const Packet& packet, const V3& step, const Adding& adding, uint32_t places,
+HWY_INLINE bool addWay(const KernelFrame& frame, const KernelBox& box, const Positions& positions,
+                       const Packet& packet, const V3& step, bool reads_values, uint32_t places,
                        BlockWay& all_ways) {
   const Slices slices = slicesIn(frame, box, packet, step);
   const M meets = hn::Gt(slices.count, hn::Zero(F()));
   // Channels whose box the packet misses cost nothing.
-  if (hn::AllFalse(F(), meets)) return;
+  if (hn::AllFalse(F(), meets)) return false;
   ChannelWay& way = all_ways.ways[static_cast<size_t>(all_ways.count)];
   const bool is_long = frame.perspective || frame.lit || frame.rows > 0;
   way.frame = &frame;
@@ -207,11 +148,12 @@ HWY_INLINE void addWay(const KernelFrame& frame, const KernelBox& box, const Pos
   way.bricks = box.distances != nullptr ? brickWay(box, way.line.first, pace) : noBrickWay();
   way.places = places;
   way.window_rows = windowRows(box, pace);
-  all_ways.adds[static_cast<size_t>(all_ways.count)] = adding.of(box);
-  all_ways.adds_values[static_cast<size_t>(all_ways.count)] = adding.valuesOf(box);
+  way.middle = hn::Add(packet.jitter, all(0.5F));
+  if (reads_values) all_ways.reads_values |= uint32_t{1} << all_ways.count;
   all_ways.from = all_ways.count == 0 ? way.from : hn::Min(all_ways.from, way.from);
   all_ways.end = all_ways.count == 0 ? way.end : hn::Max(all_ways.end, way.end);
   ++all_ways.count;
+  return true;
 }
 
 // The first slices from k on at which some channel may show something; sets each way's own.
@@ -250,43 +192,66 @@ HWY_INLINE void setSlices(const V& k, int slices, const M& going, ChannelWay& wa
   way.last = static_cast<int>(hn::GetLane(hn::MaxOfLanes(F(), to)));
 }
 
-// The block for one packet.
-HWY_INLINE void drawBlock(const KernelFrame& frame, BlockWay& block, const M& going_at_first,
-                          Pixels& pixels) {
+// The adding of a block's ways.
+template <class Into>
+using BlockAdding = std::array<const Adding<Into>*, kMostBlended>;
+
+// The samples of the channels in some slices between two looks.
+struct SlicesRead {
+  std::array<Places, kMostBlended> places;  // the boxes', not the ways'
+  std::array<SliceValues, kMostBlended> values;
+};
+
+// Moves k to the next slices that may show something, and shows the ways' samples in them: way c
+// in into(c). Returns how many slices these are; 0: none is left. `ended(c)`: way c goes on no
+// more.
+template <class Into, class IntoOf, class Ended>
+HWY_INLINE int showSlices(const BlockAdding<Into>& adding, BlockWay& block, V& k, const M& going,
+                          SlicesRead& room, VI& taken, const IntoOf& into, const Ended& ended) {
+  k = nextSlices(block, k, going);
+  const V left = hn::IfThenElseZero(going, hn::Sub(block.end, k));
+  const float most = hn::GetLane(hn::MaxOfLanes(F(), left));
+  if (!(most > 0)) return 0;
+  const int slices = static_cast<int>(std::min<float>(most, kSlicesAtOnce));
+  for (int c = 0; c < block.count; ++c)
+    room.places[block.ways[static_cast<size_t>(c)].places].known = 0;
+  for (int c = 0; c < block.count; ++c)
+    setSlices(k, slices, going, block.ways[static_cast<size_t>(c)]);
+  const uint32_t read = readTogether(block, k, going, room.values);
+  for (int c = 0; c < block.count; ++c) {
+    const auto i = static_cast<size_t>(c);
+    const ChannelWay& way = block.ways[i];
+    if (way.first >= way.last) continue;
+    const bool goes_on =
+        (read >> c & 1) != 0
+            ? adding[i]->values(way, k, going, room.values[i], into(i), taken)
+            : adding[i]->of(*way.box)(way, k, going, room.places[way.places], into(i), taken);
+    if (!goes_on) ended(i);
+  }
+  return slices;
+}
+
+// The block for one packet, as one medium.
+HWY_INLINE void drawBlock(const KernelFrame& frame, const BlockAdding<Mixtures>& adding,
+                          BlockWay& block, const M& going_at_first, Pixels& pixels) {
   M going = going_at_first;
   V in_box = hn::Zero(F());
   V k = block.from;
   Mixtures mixtures;
-  std::array<Places, kMostBlended> places;  // the boxes', not the ways'
-  std::array<SliceValues, kMostBlended> values;
+  SlicesRead room;
   const V one = all(1.0F);
+  const auto into = [&](size_t) -> Mixtures& { return mixtures; };
   for (;;) {
-    k = nextSlices(block, k, going);
-    const V left = hn::IfThenElseZero(going, hn::Sub(block.end, k));
-    const float most = hn::GetLane(hn::MaxOfLanes(F(), left));
-    if (!(most > 0)) return;
-    const int slices = static_cast<int>(std::min<float>(most, kSlicesAtOnce));
     mixtures.shown = mixtures.mixed = 0;
-    for (int c = 0; c < block.count; ++c)
-      places[block.ways[static_cast<size_t>(c)].places].known = 0;
-    for (int c = 0; c < block.count; ++c)
-      setSlices(k, slices, going, block.ways[static_cast<size_t>(c)]);
-    const uint32_t read = readTogether(block, k, going, values);
-    for (int c = 0; c < block.count; ++c) {
-      const auto i = static_cast<size_t>(c);
-      const ChannelWay& way = block.ways[i];
-      if (way.first >= way.last) continue;
-      if ((read >> c & 1) != 0)
-        block.adds_values[i](way, k, going, values[i], mixtures, pixels.taken);
-      else
-        block.adds[i](way, k, going, places[way.places], mixtures, pixels.taken);
-    }
+    const int slices =
+        showSlices<Mixtures>(adding, block, k, going, room, pixels.taken, into, [](size_t) {});
+    if (slices == 0) return;
     for (uint32_t rest = mixtures.shown; rest != 0; rest &= rest - 1) {
       const int j = std::countr_zero(rest);
       const Mixture& mixture = mixtures.of[static_cast<size_t>(j)];
       const Color color = (mixtures.mixed >> j & 1) != 0 ? colorOf(mixture) : mixture.sum;
       const V slice = hn::Add(k, all(static_cast<float>(j)));
-      layBehind(frame, color, going, hn::Add(slice, block.middle), pixels);
+      layBehind(frame, color, going, hn::Add(slice, block.ways[0].middle), pixels);
       if (frame.box_opacity <= 1) {
         in_box = hn::MulAdd(hn::Sub(one, in_box), hn::IfThenElseZero(going, color.a), in_box);
         going = hn::And(going, hn::Lt(in_box, all(frame.box_opacity)));
@@ -298,37 +263,27 @@ HWY_INLINE void drawBlock(const KernelFrame& frame, BlockWay& block, const M& go
   }
 }
 
-// Whether the samples of two boxes lie at the same places in texels of the same layout.
-bool havePlacesAlike(const KernelBox& a, const KernelBox& b) {
-  return a.voxel0 == b.voxel0 && a.size == b.size && a.axes == b.axes &&
-         a.texel_scale == b.texel_scale && a.texel_start == b.texel_start &&
-         a.texel_hi == b.texel_hi && a.last_cell == b.last_cell && a.stride == b.stride &&
-         a.clamps == b.clamps;
+// The block for one packet, each channel with pixels of its own.
+HWY_INLINE void drawBlock(const BlockAdding<ChannelPixels>& adding, BlockWay& block,
+                          std::array<ChannelPixels, kMostBlended>& channels) {
+  SlicesRead room;
+  V k = block.from;
+  M going = hn::MaskFromVec(hn::Zero(F()));
+  for (size_t c = 0; c < static_cast<size_t>(block.count); ++c)
+    going = hn::Or(going, channels[c].going);
+  VI taken = hn::Zero(I());
+  const auto into = [&](size_t c) -> ChannelPixels& { return channels[c]; };
+  const auto ended = [&](size_t c) { block.ways[c].end = all(-1e15F); };
+  while (const int slices =
+             showSlices<ChannelPixels>(adding, block, k, going, room, taken, into, ended))
+    k = hn::Add(k, all(static_cast<float>(slices)));
 }
 
-// Returns, for each of a block's boxes, the first one whose samples have the same places. Kinds of
-// samples differ in whether places are clamped to the box.
-std::array<uint32_t, kMostBlended> placesOf(const KernelFrame* const* frames, const Adding* adds,
-                                            const KernelBox* boxes) {
-  std::array<uint32_t, kMostBlended> places;
-  for (uint32_t i = 0; i <= boxes[0].joined; ++i) {
-    const KernelBox& box = boxes[i];
-    places[i] = 0;
-    while (places[i] < i) {
-      const KernelBox& other = boxes[places[i]];
-      if (adds[box.channel].of(box) == adds[other.channel].of(other) &&
-          frames[box.channel]->labels == frames[other.channel]->labels &&
-          havePlacesAlike(box, other))
-        break;
-      ++places[i];
-    }
-  }
-  return places;
-}
-
-// The box at the front of a block's boxes, and those that join it.
-HWY_NOINLINE void drawBoxes(const KernelFrame* const* frames, const Adding* adds,
-                            const KernelBox* boxes, TilePixels& tile) {
+// Calls draw(at, block, adding, add) for each packet that may see the boxes. add(i) adds the
+// packet's way through box i to the block, and returns false if the packet misses it.
+template <class Into, class Draw>
+HWY_INLINE void eachPacket(const KernelFrame* const* frames, const Adding<Into>* adds,
+                           const KernelBox* boxes, const TilePixels& tile, const Draw& draw) {
   const KernelFrame& frame = *frames[0];
   const auto [x_lo, y_lo, x_hi, y_hi] = packetsOf(boxes[0], tile);
   std::array<Positions, kMostBlended> positions;
@@ -337,34 +292,91 @@ HWY_NOINLINE void drawBoxes(const KernelFrame* const* frames, const Adding* adds
   for (int y = y_lo; y < y_hi; y += kPacketHeight)
     for (int x = x_lo; x < x_hi; x += kPacketWidth) {
       const int at = (y / kPacketHeight * (kTileSide / kPacketWidth) + x / kPacketWidth) * kLanes;
-      Pixels pixels = loadPixels(frame, tile, at);
-      const M going = goingOf(frame, tile, at, pixels.sum.a);
-      if (hn::AllFalse(F(), going)) continue;
       const Packet packet = packetAt(frame, tile, x, y);
       const V3 step = stepOf(frame, packet);
       BlockWay block;
-      block.middle = hn::Add(packet.jitter, all(0.5F));
-      for (uint32_t i = 0; i <= boxes[0].joined; ++i) {
+      BlockAdding<Into> adding;
+      const auto add = [&](uint32_t i) {
         const uint32_t channel = boxes[i].channel;
-        addWay(*frames[channel], boxes[i], positions[i], packet, step, adds[channel], places[i],
-               block);
-      }
-      if (block.count == 0) continue;
-      drawBlock(frame, block, going, pixels);
-      storePixels(frame, pixels, tile, at);
+        adding[static_cast<size_t>(block.count)] = &adds[channel];
+        return addWay(*frames[channel], boxes[i], positions[i], packet, step,
+                      adds[channel].valuesOf(boxes[i]) != nullptr, places[i], block);
+      };
+      draw(at, block, adding, add);
     }
+}
+
+// The box at the front of a block's boxes, and those that join it, as one medium.
+HWY_NOINLINE void drawBoxes(const KernelFrame* const* frames, const Adding<Mixtures>* adds,
+                            const KernelBox* boxes, TilePixels& tile) {
+  const KernelFrame& frame = *frames[0];
+  eachPacket(frames, adds, boxes, tile,
+             [&](int at, BlockWay& block, BlockAdding<Mixtures>& adding, const auto& add) {
+               Pixels pixels = loadPixels(frame, tile, at);
+               const M going = goingOf(frame, tile, at, pixels.sum.a);
+               if (hn::AllFalse(F(), going)) return;
+               for (uint32_t i = 0; i <= boxes[0].joined; ++i) add(i);
+               if (block.count == 0) return;
+               drawBlock(frame, adding, block, going, pixels);
+               storePixels(frame, pixels, tile, at);
+             });
+}
+
+// The same with a tile for each channel.
+HWY_NOINLINE void drawBoxes(const KernelFrame* const* frames, const Adding<ChannelPixels>* adds,
+                            const KernelBox* boxes, TilePixels* tiles) {
+  eachPacket(frames, adds, boxes, tiles[0],
+             [&](int at, BlockWay& block, BlockAdding<ChannelPixels>& adding, const auto& add) {
+               std::array<ChannelPixels, kMostBlended> channels;
+               std::array<uint32_t, kMostBlended> channel_of;
+               for (uint32_t i = 0; i <= boxes[0].joined; ++i) {
+                 const uint32_t channel = boxes[i].channel;
+                 const KernelFrame& frame = *frames[channel];
+                 const Pixels pixels = loadPixels(frame, tiles[channel], at);
+                 const M going = goingOf(frame, tiles[channel], at, pixels.sum.a);
+                 const auto way = static_cast<size_t>(block.count);
+                 if (hn::AllFalse(F(), going) || !add(i)) continue;
+                 channels[way] = {pixels, hn::Zero(F()), going};
+                 channel_of[way] = channel;
+               }
+               if (block.count == 0) return;
+               drawBlock(adding, block, channels);
+               for (size_t c = 0; c < static_cast<size_t>(block.count); ++c)
+                 storePixels(*frames[channel_of[c]], channels[c].pixels, tiles[channel_of[c]], at);
+             });
 }
 
 }  // namespace
 
 void drawBlended(const KernelFrame* const* frames, size_t channels, const KernelBox* boxes,
                  const uint32_t* indices, size_t count, TilePixels& tile) {
-  std::array<Adding, kMostBlended> adds{};
-  for (size_t c = 0; c < channels; ++c) adds[c] = addingOf(*frames[c]);
+  std::array<Adding<Mixtures>, kMostBlended> adds{};
+  for (size_t c = 0; c < channels; ++c) adds[c] = addingOf<Mixtures>(*frames[c]);
   constexpr size_t kBlocksBetweenLooks = 8;
   for (size_t i = 0; i < count; ++i) {
     if (i % kBlocksBetweenLooks == 0 && isThrough(*frames[0], tile)) return;
     drawBoxes(frames, adds.data(), boxes + indices[i], tile);
+  }
+}
+
+void drawAdded(const KernelFrame* const* frames, size_t channels, const KernelBox* boxes,
+               const uint32_t* indices, size_t count, TilePixels* tiles) {
+  std::array<Adding<ChannelPixels>, kMostBlended> adds{};
+  for (size_t c = 0; c < channels; ++c) adds[c] = addingOf<ChannelPixels>(*frames[c]);
+  for (size_t i = 0; i < count;) {
+    const KernelBox& box = boxes[indices[i]];
+    if (box.joined > 0) {
+      drawBoxes(frames, adds.data(), &box, tiles);
+      ++i;
+      continue;
+    }
+    // Boxes of one channel share nothing.
+    size_t end = i + 1;
+    while (end < count && boxes[indices[end]].joined == 0 &&
+           boxes[indices[end]].channel == box.channel)
+      ++end;
+    drawComposite(*frames[box.channel], boxes, indices + i, end - i, tiles[box.channel]);
+    i = end;
   }
 }
 

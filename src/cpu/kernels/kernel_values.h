@@ -185,6 +185,9 @@ struct Kernels {
   // Draws boxes with those that join them as one medium, `frames` of so many channels.
   void (*blended)(const KernelFrame* const* frames, size_t channels, const KernelBox* boxes,
                   const uint32_t* indices, size_t count, TilePixels& tile) = nullptr;
+  // The same with a tile for each channel, whose pictures are added.
+  void (*added)(const KernelFrame* const* frames, size_t channels, const KernelBox* boxes,
+                const uint32_t* indices, size_t count, TilePixels* tiles) = nullptr;
   // How many samples that would be if no ray ended.
   uint64_t (*count)(const KernelFrame& frame, const KernelBox* boxes, const uint32_t* indices,
                     size_t count, const TilePixels& tile) = nullptr;

@@ -209,7 +209,7 @@ HWY_INLINE uint32_t readTogether(const BlockWay& block, const V& k, const M& goi
                                  std::array<SliceValues, kMostBlended>& values) {
   uint32_t tried = 0, read = 0;
   for (int c = 0; c < block.count; ++c) {
-    if (block.adds_values[static_cast<size_t>(c)] == nullptr || (tried >> c & 1) != 0) continue;
+    if ((block.reads_values >> c & 1) == 0 || (tried >> c & 1) != 0) continue;
     const ChannelWay& first = block.ways[static_cast<size_t>(c)];
     Alike alike;
     uint32_t ways = 0;
@@ -230,9 +230,9 @@ HWY_INLINE uint32_t readTogether(const BlockWay& block, const V& k, const M& goi
 }
 
 // See AddValues.
-template <Shading kShading>
-HWY_NOINLINE void addValues(const ChannelWay& way, const V& k, const M& going,
-                            const SliceValues& values, Mixtures& mixtures, VI& taken) {
+template <Shading kShading, class Into>
+HWY_NOINLINE bool addValues(const ChannelWay& way, const V& k, const M& going,
+                            const SliceValues& values, Into& into, VI& taken) {
   const KernelFrame& frame = *way.frame;
   const V least = all(frame.least_visible), most = all(frame.most_visible);
   // Colours without gradients need no place.
@@ -246,8 +246,9 @@ HWY_NOINLINE void addValues(const ChannelWay& way, const V& k, const M& going,
     if (!frame.shades_every_sample)
       shows = hn::And(shows, hn::And(hn::Ge(value, least), hn::Le(value, most)));
     if (hn::AllFalse(F(), shows)) continue;
-    addColor(colorOf<DeviceType::kU8, kShading>(frame, *way.box, way.line.first, nowhere, value,
-                                                value, way.ray_length),
-             shows, j, mixtures);
+    const Color color = colorOf<DeviceType::kU8, kShading>(frame, *way.box, way.line.first, nowhere,
+                                                           value, value, way.ray_length);
+    if (!show(way, color, shows, hn::Add(slice, way.middle), j, into)) return false;
   }
+  return true;
 }

@@ -112,6 +112,25 @@ std::optional<FrameReport> Session::withoutBlocks() {
   return report;
 }
 
+bool Session::canDrawAtEnd() {
+  const FrameOptions& asked = options_;
+  if (asked.time_limit_s || asked.count_samples || asked.with_depth || afterwards_ ||
+      asked.mode != Mode::kComposite || asked.occlusion != Occlusion::kOff ||
+      asked.partition != Partition::kBlocks || asked.lighting.looksAround())
+    return false;
+  takeLearntRanges();
+  const LookPtr look = planner_.look(step_, transfer_, asked.mode);
+  const View view = resolve(asked, step_.source->layout());
+  if (planner_.makesCut(step_, look, asked) || Planner::drawsSurfaces(step_, *look, asked) ||
+      Planner::integrates(step_, *look, view, asked))
+    return false;
+  const VisibleBlocksPtr visible =
+      planner_.visibleBlocks(Planner::question(step_, look, view, asked));
+  const FramePlanPtr plan = planner_.plan(step_, visible, asked);
+  return std::ranges::all_of(plan->names,
+                             [&](ChunkName name) { return residency_.isResident(name); });
+}
+
 void Session::readAfterwards(const TimeStep& next) {
   const VolumeLayout& volume = next.source->layout();
   const View view = resolve(options_, volume);

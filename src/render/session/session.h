@@ -107,6 +107,12 @@ class Session {
   // The report of the next frame if no block shows anything in it, so that it need not be drawn;
   // nullopt: it has to be. The planner keeps what it found for the frame.
   std::optional<FrameReport> withoutBlocks();
+  // Whether all boxes of the next frame can be drawn together at its end (added_frames.h): nothing
+  // has to be read for it, and nothing is asked of it while it is drawn. The planner keeps what it
+  // found for the frame.
+  bool canDrawAtEnd();
+  // The time that the last frame's boxes took, which were drawn after its end.
+  void noteDrawnAtEnd(double draw_s) { lessons_.draw_s += draw_s; }
   // The next frame is not drawn, but it counts in the numbers of frames that traces have.
   void passFrame() { ++frame_number_; }
   // Draws as frame() does if the picture is not wanted: its memory serves the next one.

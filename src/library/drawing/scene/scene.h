@@ -27,6 +27,7 @@
 
 #include "cache/trace/trace.h"
 #include "src/base/error.h"
+#include "src/device/pictures/added_frames.h"
 #include "src/library/drawing/cost/picture_memory.h"
 #include "src/library/drawing/scene/channel_shares.h"
 #include "src/library/drawing/scene/chosen_look.h"
@@ -252,6 +253,9 @@ struct Scene : Layer {
   // The reports of the layers of which no block shows anything, on all ranks alike; nullopt for
   // those that have to be drawn.
   std::vector<std::optional<FrameReport>> layersWithoutBlocks();
+  // The device if it can draw the next frames of all layers that have blocks together; null: each
+  // has to be drawn alone.
+  AddsFrames* addsTogether(const std::vector<std::optional<FrameReport>>& without_blocks);
   // The sum of the layers' next frames.
   Frame drawLayers(std::vector<LayerFrame>& parts);
   // The layers' next frame, blended.

@@ -6,6 +6,7 @@
 
 #include "src/base/error.h"
 #include "src/base/threads/clock.h"
+#include "src/device/pictures/screen_picture.h"
 #include "src/library/drawing/empty_picture.h"
 #include "src/library/drawing/scene/added_pictures.h"
 #include "src/library/drawing/scene/scene.h"
@@ -36,6 +37,20 @@ class UploadsOf {
   Layer& layer_;
   const Device& device_;
   const uint64_t before_;
+};
+
+// Frames that are drawn together, unless they are given up.
+class FramesTogether {
+ public:
+  explicit FramesTogether(AddsFrames& device) : device_(device) { device.beginSum(); }
+  ~FramesTogether() { device_.cancelSum(); }
+  FramesTogether(const FramesTogether&) = delete;
+  FramesTogether& operator=(const FramesTogether&) = delete;
+
+  AddsFrames::Sum draw() { return device_.endSum(kLeastOpacity); }
+
+ private:
+  AddsFrames& device_;
 };
 
 // Keeps the reports that every rank has.
@@ -210,22 +225,47 @@ std::vector<std::optional<FrameReport>> Scene::layersWithoutBlocks() {
   return reports;
 }
 
+AddsFrames* Scene::addsTogether(const std::vector<std::optional<FrameReport>>& without_blocks) {
+  auto* const adds = dynamic_cast<AddsFrames*>(device.get());
+  if (adds == nullptr || share) return nullptr;
+  const std::vector<Layer*> all = layers();
+  size_t count = 0;
+  for (size_t i = 0; i < all.size(); ++i) {
+    if (without_blocks[i]) continue;
+    ++count;
+    // A volume over the first one has a grid and a unit of its own.
+    if (all[i]->volume.channel.is_over || !haveOneLayout(all[i]->volume, volume) ||
+        !isSameGrid(all[i]->volume.source->layout(), volume.source->layout()) ||
+        !all[i]->session->canDrawAtEnd())
+      return nullptr;
+  }
+  return count > 1 ? adds : nullptr;
+}
+
 Frame Scene::drawLayers(std::vector<LayerFrame>& parts) {
   const Stopwatch watch;
   const std::vector<Layer*> all = layers();
   const std::vector<std::optional<FrameReport>> without_blocks = layersWithoutBlocks();
+  parts.clear();
   parts.resize(all.size());
   std::optional<Frame> sum;
+  std::optional<FramesTogether> together;
+  if (AddsFrames* const adds = addsTogether(without_blocks)) together.emplace(*adds);
   for (size_t i = 0; i < all.size(); ++i) {
     LayerFrame& part = parts[i];
     // A layer without blocks costs no picture, but the last one gives it if no other does.
-    if (without_blocks[i] && (sum || i + 1 < all.size())) {
+    if (without_blocks[i] && (sum || together || i + 1 < all.size())) {
       part.report = *without_blocks[i];
       all[i]->session->passFrame();
       continue;
     }
     const UploadsOf counted(*all[i], *device);
     Frame next = nextFrame(*all[i]);
+    if (together) {
+      part.report = next.report;
+      if (!sum) sum = std::move(next);
+      continue;
+    }
     toUnitOf(volume.source->layout(), all[i]->volume.source->layout(), next.picture.depth);
     part = {next.report, !showsNothing(next.picture)};
     if (!sum) {
@@ -234,6 +274,23 @@ Frame Scene::drawLayers(std::vector<LayerFrame>& parts) {
     }
     addPicture(sum->picture, next.picture, pool);
     device->reuse(std::move(next.picture));
+  }
+  if (together) {
+    const Stopwatch drawing;
+    auto [picture, shows] = together->draw();
+    sum->picture = std::move(picture);
+    const double draw_s = drawing.seconds();
+    // The time goes to the first channel's report alone, so that the sum counts it once.
+    const auto first =
+        std::ranges::find_if_not(without_blocks, &std::optional<FrameReport>::has_value) -
+        without_blocks.begin();
+    parts[static_cast<size_t>(first)].report.stages.draw += draw_s;
+    size_t frame = 0;
+    for (size_t i = 0; i < all.size(); ++i) {
+      if (without_blocks[i]) continue;
+      parts[i].shows_something = shows[frame++];
+      all[i]->session->noteDrawnAtEnd(draw_s / static_cast<double>(shows.size()));
+    }
   }
   // Layers add light, and a pixel's opacity cannot exceed 1.
   limitSum(sum->picture, pool);
