@@ -1,6 +1,7 @@
 // Frames of one view whose pictures are added up, as those of the channels of a volume are.
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "src/base/values/picture.h"
@@ -11,10 +12,12 @@ namespace sluice {
 class AddsFrames {
  public:
   virtual ~AddsFrames() = default;
+  // The device keeps the boxes of all frames until the end, beside the memory that is counted.
+  static constexpr size_t kMostBoxesOfAFrame = 1 << 13;
   // The frames from now on are drawn at endSum(), and end with an empty picture each. Until then no
   // chunk that one of them draws may be evicted. Requires of the frames: composite ones of one grid
-  // and one view, at most kMostBlended, without surfaces, segments, depths, counts and an opacity
-  // map.
+  // and one view, at most kMostBlended, of at most kMostBoxesOfAFrame boxes, without surfaces,
+  // segments, depths, counts and an opacity map.
   virtual void beginSum() = 0;
   struct Sum {
     Picture picture;          // the pictures' sum, in the order of the frames, not limited

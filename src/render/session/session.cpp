@@ -6,6 +6,7 @@
 #include "src/base/error.h"
 #include "src/base/threads/clock.h"
 #include "src/device/chunk_texels.h"
+#include "src/device/pictures/added_frames.h"
 #include "src/device/shading/look_up_texels.h"
 #include "src/render/blocks/cut/cut_rules.h"
 #include "src/render/camera/pixel_sizes.h"
@@ -127,7 +128,8 @@ bool Session::canDrawAtEnd() {
   const VisibleBlocksPtr visible =
       planner_.visibleBlocks(Planner::question(step_, look, view, asked));
   const FramePlanPtr plan = planner_.plan(step_, visible, asked);
-  return std::ranges::all_of(plan->names,
+  return plan->textures.blocks.size() <= AddsFrames::kMostBoxesOfAFrame &&
+         std::ranges::all_of(plan->names,
                              [&](ChunkName name) { return residency_.isResident(name); });
 }
 
