@@ -7,15 +7,15 @@ namespace {
 using Look = LookOptions;
 using Form = OptionForm;
 
-bool hasLabels(const ViewState& state) {
-  return state.look.labels;
-}
 // Points take the place of all other ways to give opacities, and a file that of a ramp and labels.
 bool hasNoPoints(const ViewState& state) {
   return state.look.opacities.empty();
 }
 bool hasNoFile(const ViewState& state) {
   return hasNoPoints(state) && state.look.transfer_file.empty();
+}
+bool showsLabels(const ViewState& state) {
+  return state.look.labels && hasNoFile(state);
 }
 bool hasRamp(const ViewState& state) {
   return hasNoFile(state) && !hasLabelsOfAnyKind(state);
@@ -61,6 +61,7 @@ std::vector<OptionEntry> lookEntries() {
                             .turn = 3,
                             .value = "VALUE",
                             .help = "Opacity 0 below this value, and a ramp above it",
+                            .is_saved = hasRamp,
                             .is_printed = hasRamp}),
       in(&Look::opacity,
          {.key = "opacity",
@@ -71,6 +72,7 @@ std::vector<OptionEntry> lookEntries() {
           .value = "A",
           .help = "Opacity per voxel length at the top of a ramp (0.05), or of labels; automatic "
                   "opacities and those of --labels-table change in proportion to it",
+          .is_saved = hasNoPoints,
           .is_printed = hasOneOpacity}),
       in(&Look::opacities,
          {.key = "opacities",
@@ -98,7 +100,7 @@ std::vector<OptionEntry> lookEntries() {
                          .kind = {Form::kFlag},
                          .help = "Treats values as integer labels of a segmentation: each is "
                                  "opaque in its own colour, 0 is empty",
-                         .is_saved = hasLabels,
+                         .is_saved = showsLabels,
                          .is_printed = hasNoFile}),
       in(&Look::label_table,
          {.key = "label_table",
@@ -110,6 +112,7 @@ std::vector<OptionEntry> lookEntries() {
           .value = "FILE",
           .help = "Names, colours and opacities of labels, as ITK-SNAP, 3D Slicer or FreeSurfer "
                   "writes them; other labels do not show",
+          .is_saved = hasNoFile,
           .is_printed = hasNoFile}),
       in(&Look::label_looks, {.key = "label_looks",
                               .option = "--label",
@@ -120,6 +123,7 @@ std::vector<OptionEntry> lookEntries() {
                               .help = "Colour and opacity per voxel length of label N, of labels "
                                       "N-M or of all; may be given "
                                       "again",
+                              .is_saved = hasNoFile,
                               .is_printed = hasNoFile}),
       in(&Look::map, {.key = "map", .option = "--map", .turn = 5, .kind = {Form::kText}}),
       in(&Look::range, {.key = "range",

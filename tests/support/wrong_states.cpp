@@ -15,13 +15,13 @@ json right() {
     "sluice": "view",
     "camera": {"projection": "perspective", "zoom": 1.5, "fov": 40, "eye": [0, 0, 90],
                "target": [12, 10, 8], "up": [0, 1, 0]},
-    "look": {"mode": "composite", "light": "off", "threshold": 40, "opacity": 0.5,
+    "look": {"mode": "composite", "light": "off",
              "opacities": [[10, 0], [90, 0.5]], "labels": false, "range": [0, 100],
              "full_gradient": 0.1},
     "time": 0, "step": 1, "crop": [1, 1, 1, 20, 18, 14], "clip": [[0, 0, 1, 12]],
     "background": [0, 0.5, 1], "cross": [3, 4, 5], "slices": true,
     "path": {"kind": "keys", "frames": 10, "rate": 25, "keys": [
-      {"seconds": 1, "time": 0, "step": 1, "crop": [1, 1, 1, 20, 18, 14], "look": {"opacity": 0.5},
+      {"seconds": 1, "time": 0, "step": 1, "crop": [1, 1, 1, 20, 18, 14], "look": {"threshold": 40, "opacity": 0.5},
        "camera": {"eye": [0, 0, 90], "target": [12, 10, 8], "zoom": 1}},
       {"camera": {"eye": [90, 0, 0], "target": [12, 10, 8]}}]}
   })");
@@ -94,8 +94,7 @@ std::vector<WrongState> wrongStates() {
   for (const char* word : {"/camera/projection", "/camera/view", "/camera/fit", "/look/mode",
                            "/look/light", "/path/kind"})
     table.addEach(word, {nullptr, 1, "no such", json::array(), ""});
-  table.addTexts("/look/threshold");
-  table.number("/look/opacity", {-0.1, 1.1, 1e300});
+  table.addTexts("/path/keys/0/look/threshold");
   table.addEach("/look/opacities", {1,
                                     "text",
                                     {1, 2},
@@ -131,7 +130,7 @@ std::vector<WrongState> wrongStates() {
   table.number("/path/keys/0/time", {-1, 5, INT64_MAX});
   table.number("/path/keys/0/step", {0, -1});
   table.list("/path/keys/0/crop", {-1, 100});
-  table.number("/path/keys/0/look/opacity", {-1, 2});
+  table.number("/path/keys/0/look/opacity", {-0.1, 1.1, 1e300});
   table.number("/path/keys/0/camera/zoom", {0, -1, 1e300});
   table.add("/path/keys/1/camera/eye", {12, 10, 8});
   return table.states;

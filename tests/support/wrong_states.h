@@ -15,8 +15,8 @@ struct WrongState {
 // The volume that a right view of this table is of: 24 x 20 x 16 voxels, one time step.
 inline constexpr const char* kStateVolume = "synth:shells,dims=24x20x16";
 
-// A view that is right, with every field that wrongStates() spoils, except those that no camera has
-// beside a position. It names no volume.
+// A view that is right, with every field that wrongStates() spoils, except those that it does not
+// have beside others. It names no volume.
 std::string rightState();
 // Returns at least 200 states.
 std::vector<WrongState> wrongStates();

@@ -1,5 +1,6 @@
 #include "src/view/state/files/state_file.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -194,6 +195,33 @@ TEST(StateFile, saysWhatIsWrongAndWhere) {
     EXPECT_THAT(said(R"({"sluice": "view", "path": {"kind": "keys", "keys": [{)" + camera + "}]}}"),
                 HasSubstr("at /path/keys/0/camera/" + key));
   }
+  // What excludes each other on a command line.
+  for (const auto& [keys, one, other] :
+       {std::tuple(R"("opacities": [[1, 0], [2, 1]], "threshold": 3)", "threshold", "opacities"),
+        std::tuple(R"("transfer": "a.json", "threshold": 3)", "threshold", "transfer"),
+        std::tuple(R"("opacities": [[1, 0], [2, 1]], "opacity": 1)", "opacities", "opacity"),
+        std::tuple(R"("labels": true, "threshold": 3)", "threshold", "labels"),
+        std::tuple(R"("label_looks": ["1=red"], "transfer": "a")", "transfer", "label_looks"),
+        std::tuple(R"("surfaces": ["3"], "label_table": "a")", "surfaces", "label_table")}) {
+    const std::string look = R"("look": {)" + std::string(keys) + "}";
+    const std::string expected =
+        fmt::format("expected no value beside \"{}\", of which one is to be left out, at", one);
+    EXPECT_THAT(said(R"({"sluice": "view", )" + look + "}"),
+                HasSubstr(fmt::format("{} /look/{}", expected, other)));
+    EXPECT_THAT(said(R"({"sluice": "view", "path": {"kind": "keys", "keys": [{)" + look + "}]}}"),
+                HasSubstr(fmt::format("{} /path/keys/0/look/{}", expected, other)));
+  }
+  EXPECT_NO_THROW(parseState(
+      R"({"sluice": "view", "look": {"labels": false, "surfaces": [], "threshold": 3}})", "a"));
+  // A view is saved without them.
+  ViewState both;
+  both.look.threshold = 3;
+  both.look.opacity = 0.5;
+  both.look.labels = true;
+  both.look.opacities = {{1, 0}, {2, 1}};
+  const ViewState read = parseState(stateText({}, both, {}), "a").state;
+  EXPECT_EQ(read.look.opacities, both.look.opacities);
+  EXPECT_TRUE(!read.look.threshold && !read.look.opacity && !read.look.labels);
   EXPECT_THAT(said(R"({"sluice": "view", "camera": {"eye": [1, 2, 3]}})"),
               HasSubstr("eye and target together"));
   const auto ofVolume = [&](const std::string& fields) {

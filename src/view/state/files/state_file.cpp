@@ -1,5 +1,7 @@
 #include "src/view/state/files/state_file.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <nlohmann/json.hpp>
@@ -237,13 +239,29 @@ void readPart(const JsonField& field, OptionPart part, ViewState& state) {
       if (const auto f = field.find(entry.key)) entry.set(state, valueOf(entry.kind, *f));
 }
 
-// Throws Error if a camera that has a position has other keys, too, that the position replaces. A
-// view is never saved with both.
-void requireNoAngles(const JsonField& camera) {
-  for (const auto& [option, other] : optionsApart())
-    if (option == "--eye")
-      if (const auto angle = camera.find(optionEntry(other).key))
-        angle->failExpected(R"(no value beside "eye" and "target", which replace it,)");
+// Throws Error if a part has two keys of which a picture takes one, as the options of the same
+// names exclude each other. A view is never saved with both. `state`: with the part's values.
+void requireOneOfEach(const JsonField& field, OptionPart part, const ViewState& state) {
+  const auto find = [&](std::string_view option) -> const OptionEntry* {
+    for (const OptionEntry& entry : optionTable())
+      if (entry.part == part && entry.option == option && field.find(entry.key)) return &entry;
+    return nullptr;
+  };
+  for (const auto& pair : optionsApart()) {
+    const OptionEntry* const one = find(pair.one);
+    const OptionEntry* const other = find(pair.other);
+    if (one == nullptr || other == nullptr) continue;
+    const JsonField found = *field.find(other->key);
+    if (pair.one == "--eye")
+      found.failExpected(R"(no value beside "eye" and "target", which replace it,)");
+    // An empty list and false ask for nothing.
+    const auto asks = [&](const OptionEntry& entry) {
+      return entry.get(state).value_or(false) != OptionValue(false);
+    };
+    if (asks(*one) && asks(*other))
+      found.failExpected(
+          fmt::format("no value beside \"{}\", of which one is to be left out,", one->key));
+  }
 }
 
 // `place`: of the object in the document, as a JSON pointer.
@@ -257,7 +275,7 @@ ViewState stateOf(const JsonField& root, const std::string& where, const std::st
     addKeys(keys, part);
     field->allowOnly(keys);
     readPart(*field, part, state);
-    if (part == OptionPart::kCamera && field->find("eye")) requireNoAngles(*field);
+    requireOneOfEach(*field, part, state);
     // An eye alone gives no direction, and a target alone no distance.
     if (part == OptionPart::kCamera &&
         field->find("eye").has_value() != field->find("target").has_value())
