@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "src/base/field_names.h"
 #include "src/options/option_rules.h"
 #include "src/options/option_table.h"
@@ -22,6 +24,35 @@ std::string keywordIn(std::string_view option) {
   return keywordOf(option);
 }
 
+// Where a warning is shown: the frame of Python that called the package, as a level of the stack.
+int callersLevel() {
+  const auto isOurs = [](const py::object& frame) {
+    const auto name = py::str(frame.attr("f_globals").attr("get")("__name__")).cast<std::string>();
+    return name == "sluice" || name.starts_with("sluice.");
+  };
+  py::object frame = py::module_::import("sys").attr("_getframe")();
+  int level = 1;
+  for (; !frame.is_none() && isOurs(frame); frame = frame.attr("f_back")) ++level;
+  return level;
+}
+
+// The option of the command line that the keyword's value stands for; nullopt: it asks for none.
+std::optional<std::string> optionOf(const std::string& keyword, const py::handle& value) {
+  if (value.is_none() || value.is(py::bool_(false))) return std::nullopt;
+  for (const OptionEntry& entry : optionTable()) {
+    if (keywordOf(entry) != keyword || entry.kind.flags.empty()) continue;
+    for (size_t i = 0; i < entry.kind.flags.size(); ++i)
+      if (value.is(py::bool_(true)) ? entry.kind.words[i] == "on"
+                                    : value.equal(py::str(std::string(entry.kind.words[i]))))
+        return entry.kind.flags[i].empty() ? std::nullopt
+                                           : std::optional(std::string(entry.kind.flags[i]));
+    return std::nullopt;
+  }
+  std::string option = "--" + keyword;
+  std::replace(option.begin(), option.end(), '_', '-');
+  return option;
+}
+
 }  // namespace
 
 std::string inKeywords(std::string_view text) {
@@ -29,10 +60,16 @@ std::string inKeywords(std::string_view text) {
 }
 
 void warn(const std::vector<std::string>& lines) {
-  constexpr int kCallerOfThePackage = 2;
   for (const std::string& line : lines)
-    if (PyErr_WarnEx(PyExc_UserWarning, inKeywords(line).c_str(), kCallerOfThePackage) != 0)
+    if (PyErr_WarnEx(PyExc_UserWarning, inKeywords(line).c_str(), callersLevel()) != 0)
       throw py::error_already_set();
+}
+
+std::set<std::string> givenOptions(const py::dict& keywords) {
+  std::set<std::string> given;
+  for (const auto& [keyword, value] : keywords)
+    if (const auto option = optionOf(keyword.cast<std::string>(), value)) given.insert(*option);
+  return given;
 }
 
 void requirePairs(const py::kwargs& keywords) {

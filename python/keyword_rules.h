@@ -5,6 +5,8 @@
 #include <pybind11/pybind11.h>
 
 #include <algorithm>
+#include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -29,9 +31,14 @@ inline std::string keywordOf(const auto& entry) {
 // "shade=False".
 std::string inKeywords(std::string_view text);
 
-// Gives each line to Python's warnings, with keywords for the options that it names. Throws what
-// their filter makes of them. Requires: the interpreter's lock is held.
+// Gives each line to Python's warnings, with keywords for the options that it names and the line of
+// the package's caller. Throws what their filter makes of them. Requires: the interpreter's lock is
+// held.
 void warn(const std::vector<std::string>& lines);
+
+// The options of the command line that the keywords stand for: "--fov" for fov=50, and none for
+// None and False.
+std::set<std::string> givenOptions(const py::dict& keywords);
 
 // Throws TypeError for two keywords that exclude each other, or one without another that it needs.
 void requirePairs(const py::kwargs& keywords);

@@ -349,7 +349,7 @@ AskedPicture askedPicture(const py::kwargs& keywords, const VolumeInfo& volume) 
   requireNoFault(faultOf(state));
   requireNoFault(faultOf(state, volume));
   requireNoConflict(state);
-  return {state, state.look, state.background};
+  return {state, state.look, state.background, givenOptions(keywords)};
 }
 
 void takeVolumeKeywords(const py::dict& keywords, VolumeOptions& options) {

@@ -6,6 +6,9 @@
 #include <pybind11/pybind11.h>
 #include <sluice/options.h>
 
+#include <array>
+#include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -20,6 +23,7 @@ struct AskedPicture {
   PictureOptions picture;
   LookOptions look;
   std::optional<std::array<float, 3>> background;
+  std::set<std::string> given;  // givenOptions() of the keywords
 };
 
 // Throws TypeError for a keyword that is none, or a value of another kind than it takes, and

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "python/keywords.h"
-#include "python/picture_options.h"
+#include "src/options/idle_options.h"
 
 namespace sluice::python {
 namespace {
@@ -118,13 +118,19 @@ py::dict levelOf(const LevelReport& level) {
 
 RendererHandle::RendererHandle(const VolumeHandle& volume, const std::string& device,
                                uint64_t memory_bytes, int threads, const py::dict& pipeline)
-    : renderer_(makeRenderer(volume.volume.get(), device, memory_bytes, threads, pipeline)) {}
+    : renderer_(makeRenderer(volume.volume.get(), device, memory_bytes, threads, pipeline)) {
+  const PipelineOptions asked = pipelineOf(pipeline);
+  PictureFacts facts;
+  facts.merges = asked.algorithm.empty() || asked.algorithm == "merged";
+  facts.is_random = asked.policy == "random";
+  warn(idleOptions(givenOptions(pipeline), facts));
+}
 
 py::object RendererHandle::render(const VolumeHandle& volume, const py::object& progress,
                                   const py::kwargs& keywords) {
   const AskedPicture asked = askedPicture(keywords, volume.volume.get().info());
   Image image =
-      drawn(asked.look, progress,
+      drawn(asked, progress,
             [&](Renderer& renderer, const ProgressFunction& told, const std::stop_token& stop) {
               return renderer.draw(asked.picture, told, stop);
             });
@@ -140,7 +146,7 @@ py::object RendererHandle::render(const VolumeHandle& volume, const py::object& 
 void RendererHandle::save(const VolumeHandle& volume, const std::string& path,
                           const py::object& progress, const py::kwargs& keywords) {
   const AskedPicture asked = askedPicture(keywords, volume.volume.get().info());
-  drawn(asked.look, progress,
+  drawn(asked, progress,
         [&](Renderer& renderer, const ProgressFunction& told, const std::stop_token& stop) {
           renderer.drawToFile(path, asked.picture, asked.background, told, stop);
           return true;
@@ -151,7 +157,7 @@ py::object RendererHandle::probe(const VolumeHandle& volume, double right, doubl
                                  const py::kwargs& keywords) {
   const AskedPicture asked = askedPicture(keywords, volume.volume.get().info());
   const auto found =
-      withLook(asked.look, py::none(),
+      withLook(asked, py::none(), Use::kDrawn,
                [&](Renderer& renderer, const ProgressFunction&, const std::stop_token& stop) {
                  return renderer.probe(asked.picture, right, down, stop);
                });
@@ -175,7 +181,7 @@ py::dict RendererHandle::plan(const VolumeHandle& volume, const py::object& prog
                               const py::kwargs& keywords) {
   const AskedPicture asked = askedPicture(keywords, volume.volume.get().info());
   return planned(
-      withLook(asked.look, progress,
+      withLook(asked, progress, Use::kPlanned,
                [&](Renderer& renderer, const ProgressFunction& told, const std::stop_token& stop) {
                  return renderer.plan(asked.picture, told, stop);
                }));

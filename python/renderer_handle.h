@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "python/keyword_rules.h"
+#include "python/picture_options.h"
 #include "python/volume_handle.h"
 #include "src/base/threads/mutex.h"
 
@@ -38,10 +39,13 @@ class RendererHandle {
   void recordTo(const std::string& path) { renderer_.get().recordTo(path); }
 
  private:
-  // Calls with the renderer, once it has this look, a ProgressFunction and a stop token. Then the
-  // look's warnings are Python's.
+  enum class Use { kDrawn, kPlanned };
+
+  // Calls with the renderer, once it has the look that is asked for, a ProgressFunction and a stop
+  // token. Then the look's warnings are Python's, and those of keywords that change nothing.
   template <class Call>
-  auto withLook(const LookOptions& look, const py::object& progress, const Call& call) {
+  auto withLook(const AskedPicture& asked, const py::object& progress, Use use, const Call& call) {
+    const LookOptions& look = asked.look;
     const ProgressFunction told = progressFunction(progress);
     Renderer& renderer = renderer_.get();
     std::vector<std::string> warnings;
@@ -53,6 +57,9 @@ class RendererHandle {
       }
       auto drawn = call(renderer, told, stop);
       warnings = renderer.lookWarnings();
+      const std::vector<std::string> idle =
+          renderer.idleOptions(asked.given, asked.picture, use == Use::kPlanned);
+      warnings.insert(warnings.end(), idle.begin(), idle.end());
       return drawn;
     });
     warn(warnings);
@@ -61,10 +68,10 @@ class RendererHandle {
 
   // The same for a picture that is drawn; one that shows nothing has a warning that says why.
   template <class Call>
-  auto drawn(const LookOptions& look, const py::object& progress, const Call& call) {
+  auto drawn(const AskedPicture& asked, const py::object& progress, const Call& call) {
     std::string why_empty;
     auto result = withLook(
-        look, progress,
+        asked, progress, Use::kDrawn,
         [&](Renderer& renderer, const ProgressFunction& told, const std::stop_token& stop) {
           auto picture = call(renderer, told, stop);
           why_empty = renderer.report().why_empty;

@@ -20,6 +20,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <set>
 #include <span>
 #include <stop_token>
 #include <string>
@@ -50,6 +51,11 @@ class Renderer {
   std::string lookText() const;
   // Possible mistakes in the look, one line each: a threshold beyond the values.
   std::vector<std::string> lookWarnings() const;
+  // The options of `given` ("--fov", as for `sluice render`) that change nothing in a picture with
+  // these options and the look as it is, one line each: another option, or the volume, leaves them
+  // without an effect. `is_planned`: the picture is planned, and not drawn. Throws as draw() does.
+  std::vector<std::string> idleOptions(const std::set<std::string>& given,
+                                       const PictureOptions& picture, bool is_planned = false);
   // "osmesa, llvmpipe (...)".
   std::string deviceName() const;
 

@@ -72,6 +72,12 @@ std::vector<std::string> Renderer::lookWarnings() const {
   return impl().on([](Drawing& drawing) { return drawing.look().warnings; });
 }
 
+std::vector<std::string> Renderer::idleOptions(const std::set<std::string>& given,
+                                               const PictureOptions& picture, bool is_planned) {
+  return impl().on(
+      [&](Drawing& drawing) { return drawing.idleOptions(given, picture, is_planned); });
+}
+
 std::string Renderer::deviceName() const {
   return impl().on([](Drawing& drawing) { return drawing.deviceName(); });
 }

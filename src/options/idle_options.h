@@ -1,35 +1,36 @@
 // Options that were given for nothing: another option, or the volume, leaves them without any
-// effect on the picture. A table has a rule for each reason; a command prints a line for each
-// option.
+// effect on the picture. A table has a rule for each reason; whoever draws the picture prints a
+// line for each option. Pure functions.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <set>
 #include <string>
 #include <vector>
 
-#include "src/library/drawing/scene/channel_shares.h"
-#include "src/library/requests.h"
-#include "src/render/camera/frame_options.h"
-#include "tools/command_line/option_group.h"
-#include "tools/options/arguments.h"
-
 namespace sluice {
 
-// The long names of the options that the command line gives: "--fov". To be taken before a saved
-// view is applied, since its options are kept for the pictures in which they count.
-std::set<std::string> givenOptions(const CLI::App& app);
-
-// The facts that decide. A command that does not know one leaves it as it is: nothing is idle then.
+// The facts of a picture that decide. Whoever does not know one leaves it as it is: nothing is idle
+// then.
 struct PictureFacts {
-  const LookArguments& look;
-  const FrameOptions& frame;
-  const CullingArguments& culling;
-  const MachineOptions& machine;
-  bool is_drawn = true;  // not only planned
+  bool is_attenuated = true;  // by the mode
+  bool has_colors = true;     // ModeTraits
+  bool hides = true;          // ModeTraits
+  bool is_perspective = true;
+  bool step_counts = true;     // stepCounts()
+  bool asks_to_blend = false;  // --combine blend
+  bool merges = true;          // --algorithm merged
+  bool is_random = true;       // --policy random
+  bool is_cut = true;          // drawn from levels of resolution, if the volume has them
+  bool is_culled = true;       // blocks that others hide are left out
+  bool is_drawn = true;        // not only planned
   bool is_film = true;
   bool is_lit = true;
-  bool integrates = true;  // Scene::integrates()
+  bool asks_to_integrate = false;
+  bool integrates = true;       // Scene::integrates()
+  bool has_long_steps = false;  // too long to integrate
+  bool has_surfaces = false;
   bool shows_labels = false;
   size_t layers = 2;  // channels, and the volume of --over
   bool is_blended = false;
@@ -37,13 +38,8 @@ struct PictureFacts {
   size_t levels = 2;  // of resolution, that pictures are drawn from
 };
 
-// The facts that the options and the layers' volumes tell; the others are as for a film that is
-// drawn.
-PictureFacts pictureFacts(const LookArguments& look, const FrameOptions& frame,
-                          const CullingArguments& culling, const MachineOptions& machine,
-                          const std::vector<LayerLook>& layers);
-
-// "--fov changes nothing with an orthographic camera; ...", a line for each idle option.
+// "--fov changes nothing with an orthographic camera; ...", a line for each idle option of those
+// that were given ("--fov").
 std::vector<std::string> idleOptions(const std::set<std::string>& given, const PictureFacts& facts);
 
 }  // namespace sluice

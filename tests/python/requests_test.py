@@ -115,6 +115,32 @@ class Requests(unittest.TestCase):
             with self.assertRaisesRegex(UserWarning, 'threshold 300'):
                 volume.render(size=16, threshold=300)
 
+    def test_that_change_nothing_have_warnings_at_the_line_of_the_caller(self):
+        volume = sluice.from_array(ball())
+        for options, words in [
+            (dict(fov=50), '^fov changes nothing with an orthographic camera; projection perspective has'),
+            (dict(mode='mip', shade=True), '^shade=True changes nothing in this mode, which is not lit$'),
+            (dict(mode='mip', modulate=True), '^modulate changes nothing in this mode'),
+            (dict(shade=False, ambient=0.5), '^ambient changes nothing in a picture without lighting'),
+            (dict(keep_thin=True), '^keep_thin changes nothing in a picture from level 0 alone$'),
+            (dict(quality='high', iso=100), '^quality changes nothing in a picture with iso$'),
+            (dict(quality='high', step=3), '^quality changes nothing with a step of more than 2 voxels')]:
+            for call in [volume.render, volume.plan, lambda **more: volume.probe(0.5, 0.5, **more),
+                         sluice.Renderer(volume, device='cpu').render]:
+                with self.subTest(words), self.assertWarnsRegex(UserWarning, words) as caught:
+                    call(size=16, **options)
+                self.assertEqual(caught.filename, __file__)
+        with self.assertWarnsRegex(UserWarning, '^time_limit changes nothing in the plan'):
+            volume.plan(time_limit=9)
+        with self.assertWarnsRegex(UserWarning, '^seed changes nothing without policy random$') as caught:
+            sluice.Renderer(volume, seed=3)
+        self.assertEqual(caught.filename, __file__)
+        with warnings.catch_warnings():
+            warnings.simplefilter('error')
+            volume.render(size=16, time_limit=9, keep_thin=False, modulate=False, fov=None, shade='chosen', mode='mip')
+            volume.render(size=16, quality='high', step=1, fov=50, projection='perspective')
+            sluice.Renderer(volume, seed=3, policy='random', merge='first-fit')
+
     def test_that_fail_say_what_has_to_change_in_words_of_python(self):
         volume = sluice.from_array(ball())
         for call, kind, words in [

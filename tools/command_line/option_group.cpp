@@ -155,4 +155,11 @@ void OptionGroup::refuseWord(const std::string& name, const std::string& found,
                                          meant.empty() ? "" : "; did you mean " + meant + "?"));
 }
 
+std::set<std::string> givenOptions(const CLI::App& app) {
+  std::set<std::string> given;
+  for (const CLI::Option* option : app.get_options())
+    if (option->count() > 0) given.insert(option->get_name());
+  return given;
+}
+
 }  // namespace sluice

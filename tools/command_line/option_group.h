@@ -19,6 +19,7 @@
 #include <concepts>
 #include <functional>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -235,5 +236,9 @@ class OptionGroup {
   const std::string heading_;
   bool is_rare_ = false;
 };
+
+// The long names of the options that the command line gives: "--fov". To be taken before a saved
+// view is applied, since its options are kept for the pictures in which they count.
+std::set<std::string> givenOptions(const CLI::App& app);
 
 }  // namespace sluice

@@ -11,6 +11,7 @@
 #include "src/options/option_rules.h"
 #include "src/view/state/view_path.h"
 #include "tools/command_line/interrupt.h"
+#include "tools/command_line/usage.h"
 #include "tools/commands/debug_views.h"
 #include "tools/options/picture_checks.h"
 #include "tools/options/shared_options.h"
@@ -83,36 +84,42 @@ void checkOutput(const Arguments& arguments) {
   if (!kind && !is_film)
     fail("{}: pictures are written as .png or .exr, films as .mp4", arguments.output);
   if (is_film && frameCount(arguments) < 2)
-    fail("{}: a film has several frames; give --frames or a range of --time", arguments.output);
+    failUsage("{}: a film has several frames; give --frames or a range of --time",
+              arguments.output);
   if (is_film && arguments.resume)
-    fail("{}: a film is written in one go; --continue is for pictures", arguments.output);
+    failUsage("{}: a film is written in one go; --continue is for pictures", arguments.output);
   if (is_film && arguments.progressive)
-    fail("{}: a film has one picture a frame; --progressive is for pictures", arguments.output);
+    failUsage("{}: a film has one picture a frame; --progressive is for pictures",
+              arguments.output);
   if (arguments.progressive && isSeries(arguments))
-    fail("--progressive takes one time step and no --culling");
+    failUsage("--progressive takes one time step and no --culling");
   if (!arguments.path_file.empty() && frameCount(arguments) < 2)
     throw CLI::RequiresError("--path", "--frames or a range of --time");
   if (arguments.aovs && kind != PictureKind::kExr)
-    fail("{}: --aov adds channels to .exr pictures", arguments.output);
+    failUsage("{}: --aov adds channels to .exr pictures", arguments.output);
   if (arguments.annotate && kind == PictureKind::kExr)
-    fail("{}: --annotate draws over .png pictures; an .exr holds values", arguments.output);
+    failUsage("{}: --annotate draws over .png pictures; an .exr holds values", arguments.output);
   checkBasis(arguments.culling);
   const PictureSize& size = arguments.frame.size;
   if (arguments.annotate && std::min(size.width, size.height) < kLeastAnnotatedPixels)
-    fail("--annotate: a picture of {} x {} pixels has no room for letters; it needs {} x {}",
-         size.width, size.height, kLeastAnnotatedPixels, kLeastAnnotatedPixels);
+    failUsage("--annotate: a picture of {} x {} pixels has no room for letters; it needs {} x {}",
+              size.width, size.height, kLeastAnnotatedPixels, kLeastAnnotatedPixels);
   if (arguments.aovs && arguments.aovs->depth && !traitsOf(arguments.frame.mode).has_colors)
-    fail("--aov depth needs --mode composite, since depth is weighted by opacity");
+    failUsage("--aov depth needs --mode composite, since depth is weighted by opacity");
   if (arguments.debug_view && frameCount(arguments) > 1)
-    fail("--debug-view takes one frame, not {}", frameCount(arguments));
+    failUsage("--debug-view takes one frame, not {}", frameCount(arguments));
   if (arguments.times && arguments.frames > 1)
-    fail("--frames {} takes one time step, not a range of --time", arguments.frames);
+    failUsage("--frames {} takes one time step, not a range of --time", arguments.frames);
   checkPicture(pictureOf(arguments), viewState(*arguments.asked, arguments.volume, arguments.look));
+  // Of a saved view it would be the file's fault.
+  if (arguments.state_file.empty())
+    checkPlainOptions(arguments.volume, arguments.look, arguments.frame);
   if (arguments.verify && arguments.culling.culling != Culling::kNone && frameCount(arguments) > 1)
-    fail("--verify with --culling takes one frame, not {}", frameCount(arguments));
+    failUsage("--verify with --culling takes one frame, not {}", frameCount(arguments));
   if (arguments.debug_view && arguments.frame.occlusion == Occlusion::kOff &&
       arguments.frame.partition == Partition::kBlocks)
-    fail("--debug-view shows the effect of --occlusion and --partition boxes; give one of them");
+    failUsage(
+        "--debug-view shows the effect of --occlusion and --partition boxes; give one of them");
 }
 
 void readPath(Arguments& arguments, const std::set<std::string>& given) {
@@ -183,8 +190,8 @@ void requireWholePicture(const Arguments& arguments, const Scene& scene) {
   const bool is_refined = isRefined(arguments, scene);
   if (!arguments.verify && !arguments.debug_view && !is_refined) return;
   if (is_refined && (arguments.verify || arguments.debug_view))
-    fail("{} looks at one picture; leave out --time-limit and --progressive",
-         arguments.verify ? "--verify" : "--debug-view");
+    failUsage("{} looks at one picture; leave out --time-limit and --progressive",
+              arguments.verify ? "--verify" : "--debug-view");
   if (scene.stripsOf(arguments.frame).size() == 1) return;
   const PictureSize size = arguments.frame.size;
   fail(

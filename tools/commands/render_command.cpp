@@ -8,12 +8,12 @@
 #include "src/annotate/annotate.h"
 #include "src/base/error.h"
 #include "src/base/field_names.h"
+#include "src/library/drawing/scene/picture_facts.h"
 #include "tools/command_line/console.h"
 #include "tools/commands/commands.h"
 #include "tools/commands/render_checks.h"
 #include "tools/commands/render_frames.h"
 #include "tools/commands/verification.h"
-#include "tools/options/idle_options.h"
 #include "tools/options/shared_options.h"
 #include "tools/options/view_arguments.h"
 #include "tools/options/view_state_option.h"
@@ -32,14 +32,13 @@ std::string nameInPath(std::string_view option) {
 }
 
 // Options that were given for nothing, one line each, and such fields of a camera path.
-void warnOfIdleOptions(const Arguments& arguments, const std::set<std::string>& given,
-                       const Scene& scene) {
-  PictureFacts facts = pictureFacts(arguments.look, arguments.frame, arguments.culling,
-                                    arguments.resources, scene.looks());
-  const auto layers = scene.layers();
+void warnOfIdleOptions(const RenderJob& job, const std::set<std::string>& given) {
+  const Arguments& arguments = job.arguments;
+  const Scene& scene = job.scene;
+  PictureFacts facts = pictureFacts(scene, lastOptions(scene, job.options, arguments.end));
+  facts.is_cut = arguments.frame.cut.has_value();
+  facts.is_culled = arguments.culling.culling != Culling::kNone;
   facts.is_film = isFilmName(arguments.output);
-  facts.is_lit = std::ranges::any_of(layers, [](const Layer* each) { return each->look.lit; });
-  facts.integrates = scene.integrates(lastOptions(scene, arguments.frame, arguments.end));
   for (const std::string& line : idleOptions(given, facts))
     printWarning(fmt::format("{}: {}", scene.volume.name, line));
   if (!arguments.path) return;
@@ -191,15 +190,14 @@ int run(Arguments& arguments, CLI::App& app, Team* team) {
   Scene& scene = *fitted.scene;
   requireOneChannel(arguments, scene);
   const std::vector<Camera>& cameras = fitted.cameras;
-  if (is_first && !arguments.resources.quiet) {
+  if (is_first && !arguments.resources.quiet)
     for (const std::string& warning : scene.lookWarnings()) printWarning(warning);
-    warnOfIdleOptions(arguments, given, scene);
-  }
   if (scene.volume.stand_in && !arguments.resources.quiet) printWarning(scene.volume.standInNote());
   if (team != nullptr) expectSameScene(*team, scene, cameras, arguments.frame);
   RenderJob job{arguments, to_draw,  cameras,  output, {},
                 scene,     is_first, has_step, began,  std::move(earlier_pictures)};
   job.options = drawingOptions(job);
+  if (is_first && !arguments.resources.quiet) warnOfIdleOptions(job, given);
   requireWholePicture(arguments, scene);
   return drawAndReport(job, fitted, room, app, team);
 }

@@ -13,7 +13,6 @@
 #include "src/base/values/bytes.h"
 #include "tools/command_line/console.h"
 #include "tools/commands/commands.h"
-#include "tools/options/idle_options.h"
 #include "tools/options/picture_checks.h"
 #include "tools/options/shared_options.h"
 #include "tools/options/view_arguments.h"
@@ -231,6 +230,7 @@ Command addSimulate(CLI::App& program) {
     const CullingArguments none;
     checkPicture({turned.look, turned.frame, none, turned.resources},
                  viewState(*asked, turned.volume, turned.look));
+    checkPlainOptions(turned.volume, turned.look, turned.frame);
     arguments->turn.given = givenOptions(*app);
     arguments->turn.given.erase("--seed");  // --policies may have the random policy
     if (arguments->turn.resources.pages)

@@ -1,7 +1,7 @@
-#include "src/base/error.h"
 #include "src/library/conversions.h"
 #include "src/library/drawing/scene/resources.h"
 #include "src/render/blocks/cut/cut_rules.h"
+#include "tools/command_line/usage.h"
 #include "tools/options/shared_options.h"
 
 namespace sluice {
@@ -44,7 +44,7 @@ std::optional<CutOptions> cutOptions(const ResourceArguments& resources, const L
 
 void refuseLevels(const std::optional<CutOptions>& asked, std::string_view why) {
   if (asked && (!asked->is_default || asked->keeps_thin))
-    fail("{}; leave out --level, --pixel-error, --max-bytes and --keep-thin", why);
+    failUsage("{}; leave out --level, --pixel-error, --max-bytes and --keep-thin", why);
 }
 
 }  // namespace sluice

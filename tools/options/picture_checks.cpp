@@ -1,21 +1,34 @@
 #include "tools/options/picture_checks.h"
 
-#include "src/base/error.h"
+#include "src/library/drawing/scene/channel_shares.h"
 #include "src/options/option_rules.h"
+#include "tools/command_line/usage.h"
 #include "tools/options/shared_options.h"
 
 namespace sluice {
 
 void checkPicture(const PictureArguments& picture, const ViewState& view) {
-  if (const auto conflict = conflictIn(view)) fail("{}", *conflict);
+  if (const auto conflict = conflictIn(view)) failUsage("{}", *conflict);
   const ModeTraits traits = traitsOf(picture.frame.mode);
   const bool culls = picture.culling.culling != Culling::kNone;
   if (!picture.look.surfaces.empty() && culls)
-    fail("--culling knows nothing of surfaces; leave out --culling or --iso");
+    failUsage("--culling knows nothing of surfaces; leave out --culling or --iso");
   if (culls && !traits.hides)
-    fail("--culling needs --mode composite, since other modes hide nothing");
+    failUsage("--culling needs --mode composite, since other modes hide nothing");
   if (picture.frame.occlusion != Occlusion::kOff && !traits.hides)
-    fail("--occlusion needs --mode composite, since other modes hide nothing");
+    failUsage("--occlusion needs --mode composite, since other modes hide nothing");
+}
+
+void checkPlainOptions(const VolumeArguments& volume, const LookArguments& look,
+                       const FrameOptions& frame) {
+  if (look.modulate && frame.lighting.looksAround())
+    failUsage(
+        "--shadows and --occlusion-light need opacities that follow from values alone; leave out "
+        "--modulate");
+  const VolumeOptions& asked = volume.asked;
+  const bool are_several = !asked.over.empty() || asked.channel_name.find(',') != std::string::npos;
+  if (!are_several || look.combine != Combine::kBlend) return;
+  if (const auto obstacle = blendObstacle(look, frame, {})) failUsage("{}", *obstacle);
 }
 
 std::optional<CutOptions> cutOf(const PictureArguments& picture, bool refines, PictureRow row) {

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "src/base/error.h"
+#include "src/options/idle_options.h"
 #include "src/options/option_rules.h"
 #include "src/view/drawing/picture_file.h"
 #include "src/view/state/view_check.h"
@@ -21,8 +22,8 @@
 #include "tools/command_line/interrupt.h"
 #include "tools/command_line/outputs.h"
 #include "tools/command_line/progress_line.h"
+#include "tools/command_line/usage.h"
 #include "tools/commands/commands.h"
-#include "tools/options/idle_options.h"
 #include "tools/options/view_arguments.h"
 #include "tools/scene/empty_pictures.h"
 
@@ -183,9 +184,9 @@ int writeFilm(const RenderArguments& arguments, const CLI::App& app, const Saved
   if (!is_one_file) requirePictureName(arguments.output);
   const int64_t count = frameCount(film.path);
   if (is_one_file && arguments.resume)
-    fail("{}: a film is written in one go; --continue is for pictures", arguments.output);
+    failUsage("{}: a film is written in one go; --continue is for pictures", arguments.output);
   if (app.count("--rate") > 0 && !arguments.resources.quiet) {
-    PictureFacts facts{arguments.look, arguments.frame, arguments.culling, arguments.resources};
+    PictureFacts facts;
     facts.is_film = is_one_file;
     for (const std::string& line : idleOptions({"--rate"}, facts)) printWarning(line);
   }

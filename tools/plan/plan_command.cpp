@@ -15,8 +15,8 @@
 #include "src/library/drawing/scene/device_choice.h"
 #include "tools/command_line/console.h"
 #include "tools/command_line/progress_line.h"
+#include "tools/command_line/usage.h"
 #include "tools/commands/commands.h"
-#include "tools/options/idle_options.h"
 #include "tools/options/picture_checks.h"
 #include "tools/options/shared_options.h"
 #include "tools/options/view_arguments.h"
@@ -97,11 +97,12 @@ PictureArguments pictureOf(const PlanArguments& arguments) {
   return {arguments.look, arguments.frame, arguments.culling, arguments.resources};
 }
 
-// The same refusals as of a picture that is drawn, and those of a plan. Throws Error.
+// The same refusals as of a picture that is drawn, and those of a plan. Throws a usage error.
 void check(const PlanArguments& arguments) {
   checkPicture(pictureOf(arguments), viewState(*arguments.asked, arguments.volume, arguments.look));
+  checkPlainOptions(arguments.volume, arguments.look, arguments.frame);
   if (arguments.culling.culling == Culling::kAuto)
-    fail("--culling auto measures pictures; plan takes none, pof, opof or toc");
+    failUsage("--culling auto measures pictures; plan takes none, pof, opof or toc");
   if (arguments.frame.partition == Partition::kBoxes)
     refuseLevels(arguments.frame.cut, "--partition boxes plans the finest level alone");
 }

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "tools/options/idle_options.h"
+#include "src/library/drawing/scene/picture_facts.h"
 
 namespace sluice {
 
@@ -55,7 +55,8 @@ bool mustReadFinest(const OpenedPicture& picture, const FrameOptions& frame, Wor
 std::vector<std::string> idleOptions(const std::set<std::string>& given, const LookArguments& look,
                                      const FrameOptions& frame, const CullingArguments& culling,
                                      const MachineOptions& machine, const OpenedPicture& opened) {
-  PictureFacts facts = pictureFacts(look, frame, culling, machine, opened.looks());
+  PictureFacts facts = pictureFacts(look, frame, machine, opened.looks());
+  facts.is_culled = culling.culling != Culling::kNone;
   // Plans and turns of the simulator draw no picture.
   facts.is_drawn = false;
   std::vector<std::string> lines = idleOptions(given, facts);

@@ -10,6 +10,7 @@
 #include "src/library/drawing/files/strip_file.h"
 #include "src/library/drawing/probing.h"
 #include "src/library/drawing/scene/opened_scene.h"
+#include "src/library/drawing/scene/picture_facts.h"
 #include "src/library/drawing/view_fit.h"
 #include "src/library/in_situ.h"
 #include "src/library/opening/step_ranges.h"
@@ -359,6 +360,18 @@ PictureSampling Drawing::sampling(const PictureOptions& picture, ProgressTeller&
   const TimeStep step = stepAt(picture.time, reading.pass);
   const FrameOptions options = looked(picture, step, reading.pass);
   return {options.step_vox, drawsCut(step, options.cut, mode_, scene_.look.transfer)};
+}
+
+std::vector<std::string> Drawing::idleOptions(const std::set<std::string>& given,
+                                              const PictureOptions& picture, bool is_planned) {
+  refuseInSitu("idleOptions()");
+  const ProgressFunction nobody;
+  ProgressTeller teller(nobody, {});
+  const Reading reading(*this, teller);
+  const TimeStep step = stepAt(picture.time, reading.pass);
+  PictureFacts facts = pictureFacts(scene_, looked(picture, step, reading.pass));
+  facts.is_drawn = !is_planned;
+  return sluice::idleOptions(given, facts);
 }
 
 std::optional<VoxelProbe> Drawing::probe(const PictureOptions& picture, double right, double down,

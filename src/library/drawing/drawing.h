@@ -16,6 +16,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -42,6 +43,8 @@ class Drawing {
   void setLook(const LookOptions& look);
   const ChosenLook& look() const { return scene_.look; }
   std::string lookText() const { return scene_.lookText(); }
+  std::vector<std::string> idleOptions(const std::set<std::string>& given,
+                                       const PictureOptions& picture, bool is_planned);
   std::string deviceName() const;
   Image draw(const PictureOptions& picture, ProgressTeller& teller);
   void drawRows(const PictureOptions& picture, const std::function<void(const Image& rows)>& take,

@@ -234,6 +234,11 @@ double longestStep(const View& view, const VolumeLayout& layout, Vec3d voxel) {
   return longest;
 }
 
+bool stepsIntegrate(const View& view, const VolumeLayout& layout) {
+  // A step of exactly the limit may come out a little longer by rounding.
+  return longestStep(view, layout) <= kMostIntegratedStep * (1 + 1e-6);
+}
+
 std::array<double, 2> shownDepths(const View& view, const VolumeLayout& layout,
                                   const FrameOptions& options) {
   if (options.shown_depths) return *options.shown_depths;

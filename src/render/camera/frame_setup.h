@@ -43,6 +43,8 @@ double longestStep(const View& view, const VolumeLayout& layout, Vec3d voxel = {
 // The most for a frame that integrates: the values half as far from a sample lie within the ghost
 // layer around its block.
 inline constexpr double kMostIntegratedStep = 2;
+// Whether a view's slices lie close enough for it.
+bool stepsIntegrate(const View& view, const VolumeLayout& layout);
 
 // The eye's position for ordering blocks front to back.
 EyePosition eyePosition(const View& view, const VolumeLayout& layout);

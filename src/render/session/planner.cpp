@@ -17,8 +17,7 @@ bool Planner::integrates(const TimeStep& step, const Look& look, const View& vie
   return options.integrates && traitsOf(options.mode).has_colors && !look.table.labels() &&
          look.table.surfaces().empty() && step.ranges->layout.ghost > 0 &&
          !drawsCut(step, options.cut, options.mode, look.transfer) &&
-         // A step of exactly the limit may come out a little longer by rounding.
-         longestStep(view, step.source->layout()) <= kMostIntegratedStep * (1 + 1e-6);
+         stepsIntegrate(view, step.source->layout());
 }
 
 bool Planner::drawsSurfaces(const TimeStep& step, const Look& look, const FrameOptions& options) {

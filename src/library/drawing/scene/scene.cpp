@@ -14,6 +14,7 @@
 #include "src/library/drawing/files/channel_traces.h"
 #include "src/options/option_words.h"
 #include "src/render/blocks/cut/cut_rules.h"
+#include "src/render/camera/frame_setup.h"
 
 namespace sluice {
 Scene::Scene(SceneInputs inputs, const LookArguments& asked_look, const FrameOptions& frame)
@@ -210,7 +211,13 @@ std::string Scene::lookOf(const FrameOptions& options, const PictureOptions& pic
 bool Scene::integrates(const FrameOptions& options) const {
   return !blends() && options.integrates && traitsOf(options.mode).has_colors &&
          !look.transfer.labels && look.transfer.surfaces.empty() &&
-         !drawsCut(volume.step(), options.cut, options.mode, look.transfer);
+         !drawsCut(volume.step(), options.cut, options.mode, look.transfer) &&
+         stepsIntegrate(options);
+}
+
+bool Scene::stepsIntegrate(const FrameOptions& options) const {
+  const VolumeLayout& layout = volume.source->layout();
+  return sluice::stepsIntegrate(resolve(options, layout), layout);
 }
 
 std::vector<PictureRows> Scene::stripsOf(const FrameOptions& frame) const {

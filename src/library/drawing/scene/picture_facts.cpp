@@ -1,0 +1,42 @@
+#include "src/library/drawing/scene/picture_facts.h"
+
+#include <algorithm>
+
+#include "src/library/opening/thick_source.h"
+
+namespace sluice {
+
+PictureFacts pictureFacts(const LookArguments& look, const FrameOptions& frame,
+                          const MachineOptions& machine, const std::vector<LayerLook>& layers) {
+  const ModeTraits& traits = traitsOf(frame.mode);
+  PictureFacts facts;
+  facts.is_attenuated = traits.combining == Combining::kAttenuated;
+  facts.has_colors = traits.has_colors;
+  facts.hides = traits.hides;
+  facts.is_perspective = frame.camera.projection != Projection::kOrtho;
+  facts.step_counts = stepCounts(frame.mode, frame.step_vox);
+  facts.asks_to_blend = look.combine == Combine::kBlend;
+  facts.merges = frame.algorithm == Algorithm::kMerged;
+  facts.is_random = machine.policy == PolicyKind::kRandom;
+  facts.is_cut = frame.cut.has_value();
+  facts.asks_to_integrate = frame.integrates;
+  facts.has_surfaces = !look.surfaces.empty();
+  facts.shows_labels = layers.front().transfer->labels;
+  facts.layers = layers.size();
+  facts.is_blended = blends(combineOf(look, frame, layers), layers.size());
+  facts.time_steps = storedLayout(*layers.front().volume->source).time_steps;
+  facts.levels = 1;
+  for (const LayerLook& layer : layers)
+    facts.levels = std::max(facts.levels, layer.volume->step().coarser.size() + 1);
+  return facts;
+}
+
+PictureFacts pictureFacts(const Scene& scene, const FrameOptions& frame) {
+  PictureFacts facts = pictureFacts(scene.asked, frame, scene.machine, scene.looks());
+  facts.is_lit = std::ranges::any_of(scene.layers(), [](const Layer* of) { return of->look.lit; });
+  facts.integrates = scene.integrates(frame);
+  facts.has_long_steps = !scene.stepsIntegrate(frame);
+  return facts;
+}
+
+}  // namespace sluice
