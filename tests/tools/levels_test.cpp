@@ -366,7 +366,7 @@ TEST_F(LevelsCommand, cullingAndGrowingBoxesTakeLevelZeroUnlessLevelsAreAskedFor
 TEST_F(LevelsCommand, whatKnowsTheFinestLevelAloneRefusesOthersInOneLine) {
   const CommandResult culling =
       program_.run("render " + arguments("-o x.png --level 1 --culling toc"));
-  EXPECT_EQ(culling.status, 1);
+  EXPECT_EQ(culling.status, 2);
   EXPECT_THAT(culling.output,
               HasSubstr("--culling draws the finest level alone; leave out --level"));
   EXPECT_EQ(program_.run("render " + arguments("-o x.png --level 1 --pixel-error 2")).status, 2);

@@ -172,7 +172,7 @@ TEST_F(Over, labelsNeedAModeOfColours) {
       for (const char* command : {"render -o no.png", "plan", "simulate"}) {
         const CommandResult result = program_.run(fmt::format(
             "{} scan.nrrd --over labels.nrrd --mode {} --look {}", command, mode, look));
-        EXPECT_EQ(result.status, 1);
+        EXPECT_EQ(result.status, 2);
         EXPECT_EQ(result.output, fmt::format("sluice: --look {} needs --mode composite, since "
                                              "other modes mix the numbers of labels\n",
                                              look));

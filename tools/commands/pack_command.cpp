@@ -24,6 +24,7 @@
 #include "tools/command_line/outputs.h"
 #include "tools/command_line/parse.h"
 #include "tools/command_line/progress_line.h"
+#include "tools/command_line/usage.h"
 #include "tools/commands/commands.h"
 #include "tools/options/shared_options.h"
 #include "tools/scene/open_scene.h"
@@ -139,6 +140,8 @@ Vec3i shardOf(const PackArguments& arguments, int64_t chunk) {
 }
 
 int pack(const PackArguments& arguments) {
+  if (arguments.zarr == 2 && arguments.shard)
+    failUsage("--shard: Zarr 2 has no shards, expected --zarr 3 with it");
   Outputs outputs;
   outputs.reads(arguments.volume.inputs);
   outputs.writesFolder("-o", arguments.output);
@@ -157,8 +160,6 @@ int pack(const PackArguments& arguments) {
   options.stop = interruption();
   options.chunk_voxels = chunkSide(arguments, layout.dims);
   if (arguments.zarr == 3) options.shard_voxels = shardOf(arguments, options.chunk_voxels);
-  if (arguments.zarr == 2 && arguments.shard)
-    fail("--shard: Zarr 2 has no shards, expected --zarr 3 with it");
   options.memory_bytes = memoryBudget(arguments.resources);
   options.blosc.level = arguments.level != 0                      ? arguments.level
                         : options.blosc.codec == BloscCodec::kLz4 ? kLz4Level

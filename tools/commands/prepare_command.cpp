@@ -10,6 +10,7 @@
 #include "src/base/values/bytes.h"
 #include "tools/command_line/console.h"
 #include "tools/command_line/environment.h"
+#include "tools/command_line/usage.h"
 #include "tools/commands/commands.h"
 #include "tools/options/shared_options.h"
 #include "tools/outputs/report.h"
@@ -77,8 +78,9 @@ void print(const SeriesFunctions& functions, double difference) {
 
 int run(PrepareArguments& arguments, const CLI::App& app) {
   arguments.look.whole_series = true;
+  if (!arguments.look.surfaces.empty())
+    failUsage("prepare knows nothing of surfaces; leave out --iso");
   checkBasis(arguments.culling);
-  if (!arguments.look.surfaces.empty()) fail("prepare knows nothing of surfaces; leave out --iso");
   Workers pool(arguments.resources.threads);
   const IndexedVolume volume = openIndexed(arguments.volume, arguments.resources,
                                            needsOf(arguments.look, Mode::kComposite), pool);

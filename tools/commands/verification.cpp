@@ -119,6 +119,20 @@ PixelRays raysOf(const VerifiedView& view, size_t layer) {
   return layer < view.layers.size() ? view.layers[layer].report.rays : PixelRays();
 }
 
+// Makes each pixel of `shown` the one of its rays that the rule of KeptRay takes. A plain loop of
+// its own, since the loop of frames is among the things that are checked.
+void takeRay(Picture& shown, const Picture& ray, KeptRay rule) {
+  for (size_t i = 0; 4 * i < shown.rgba.size(); ++i) {
+    float* const a = &shown.rgba[4 * i];
+    const float* const b = &ray.rgba[4 * i];
+    const float sign = rule == KeptRay::kDarkest ? -1.0F : 1.0F;
+    const auto sum = [sign](const float* p) { return 4 * p[3] + sign * (p[0] + p[1] + p[2]); };
+    const bool takes_all = rule != KeptRay::kEachChannel && sum(b) > sum(a);
+    for (int c = 0; c < 4; ++c)
+      if (rule == KeptRay::kEachChannel ? b[c] > a[c] : takes_all) a[c] = b[c];
+  }
+}
+
 // The picture of one ray after the other of each pixel, which shows the most of them.
 Picture pictureOfRays(Session& session, FrameOptions options, PixelRays rays) {
   Picture result;
@@ -130,7 +144,7 @@ Picture pictureOfRays(Session& session, FrameOptions options, PixelRays rays) {
       if (x == 0 && y == 0)
         result = std::move(drawn);
       else
-        keepMost(result, drawn, rays.kept);
+        takeRay(result, drawn, rays.kept);
     }
   return result;
 }

@@ -19,6 +19,7 @@
 #include "tools/command_line/environment.h"
 #include "tools/command_line/interrupt.h"
 #include "tools/command_line/outputs.h"
+#include "tools/command_line/usage.h"
 #include "tools/commands/commands.h"
 #include "tools/options/shared_options.h"
 #include "tools/options/view_arguments.h"
@@ -86,7 +87,7 @@ int run(const ViewArguments& arguments, const CLI::App& app) {
   outputs.check();
   RunWindow* const run_window = openWindowModule();
   DrawingOptions options = drawingOptions(arguments);
-  if (const auto conflict = conflictIn(options.state)) fail("{}", *conflict);
+  if (const auto conflict = conflictIn(options.state)) failUsage("{}", *conflict);
   WindowRequest request;
   request.volume = viewedVolume(arguments.volume, arguments.resources, options.index_folder,
                                 !arguments.look.this_step);

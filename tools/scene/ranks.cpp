@@ -42,6 +42,14 @@ int endTogether(Team& team, const std::string& line) {
   return kFailed;
 }
 
+// `status` if all ranks fail for this reason.
+int failTogether(Team& team, const std::string& line, int status) {
+  const std::string all = team.fail(line).what();
+  const int failed = endTogether(team, all);
+  // The same complaint from all is wrong usage; another one tells of a rank that failed.
+  return all == line ? status : failed;
+}
+
 }  // namespace
 
 Launch beginRanks() {
@@ -60,6 +68,7 @@ int onRanks(const std::function<int(Team* team)>& body) {
   if (launch.ranks == 1) return body(nullptr);
   Team team(joinRanks(launch), interruption());
   std::string reason;
+  int status_of_all = kFailed;
   try {
     const int status = body(&team);
     team.wait();  // also for failures of others
@@ -71,10 +80,13 @@ int onRanks(const std::function<int(Team* team)>& body) {
     throw;
   } catch (const std::bad_alloc&) {
     reason = "out of memory; give a smaller --memory or a larger machine";
+  } catch (const CLI::ParseError& error) {
+    reason = error.what();
+    status_of_all = kUsage;
   } catch (const std::exception& error) {
     reason = error.what();
   }
-  return endTogether(team, team.fail(reason).what());
+  return failTogether(team, reason, status_of_all);
 }
 
 int refuseTogether(const Launch& launch, const std::string& line, int status) {
@@ -82,10 +94,7 @@ int refuseTogether(const Launch& launch, const std::string& line, int status) {
     try {
       // All ranks may have refused, each for itself: they meet, so that one line is printed.
       Team team(joinRanks(launch), interruption());
-      const std::string all = team.fail(line).what();
-      const int failed = endTogether(team, all);
-      // The same complaint from all is wrong usage; another one tells of a rank that failed.
-      return all == line ? status : failed;
+      return failTogether(team, line, status);
     } catch (const std::exception&) {
       // Ranks that cannot meet: each refuses alone.
     }
