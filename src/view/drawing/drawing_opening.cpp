@@ -80,6 +80,7 @@ void DrawingJobs::loadInto(StateFile file, const std::string& name, const Job& j
 
 void DrawingJobs::close() {
   endTrace();
+  news_.dropPicture();
   opened_ = {};
 }
 
@@ -137,6 +138,7 @@ void DrawingJobs::openVolume(OpenJob task, const Job& job) {
                            ": the trace ends, because another volume takes the place of the first");
     });
   }
+  news_.dropPicture();
   opened_.renderer.reset();
   next.renderer = makeRenderer(*next.volume, next.look);
   state.view = next.renderer->placed(pictureOf(state, kWidth, kHeight), progress(), job.stop);

@@ -30,6 +30,12 @@ class NewsBox {
     const MutexLock lock(telling_);
     if (on_news_) on_news_();
   }
+  // Lets go of a picture that nobody has taken. To be called before its renderer ends, which
+  // deletes the picture's texture only while nobody else holds it.
+  void dropPicture() {
+    const MutexLock lock(mutex_);
+    news_.picture.reset();
+  }
   News take() {
     const MutexLock lock(mutex_);
     return std::exchange(news_, {});
