@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "src/base/error.h"
+#include "src/base/looks/view_limits.h"
 #include "src/library/checked_values.h"
 
 namespace sluice {

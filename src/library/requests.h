@@ -60,9 +60,7 @@ struct LookArguments {
   // The gradient of factor 1: a share of the value range per voxel length.
   double full_gradient = LookOptions::kUsualFullGradient;
   double attenuation = kDefaultAttenuation;  // of the attenuated maximum
-  std::array<float, 3> background{0, 0, 0};
-  bool has_background = false;
-  StopToken stop = {};  // ends waiting for a transfer file that is a pipe
+  StopToken stop = {};                       // ends waiting for a transfer file that is a pipe
 };
 
 // The fit at zoom 1: the visible part of the volume, or the sphere around the volume. Unset: the

@@ -28,13 +28,13 @@ TEST(LaunchOf, knowsWhoStartedIt) {
   const Launch open = launchWith({{"OMPI_COMM_WORLD_RANK", "3"}, {"OMPI_COMM_WORLD_SIZE", "8"}});
   EXPECT_EQ(open.rank, 3);
   EXPECT_EQ(open.ranks, 8);
-  EXPECT_TRUE(open.has_kind && open.kind == MpiKind::kOpenMpi);
+  EXPECT_TRUE(open.kind == MpiKind::kOpenMpi);
   const Launch mpich = launchWith({{"PMI_RANK", "0"}, {"PMI_SIZE", "2"}});
-  EXPECT_TRUE(mpich.ranks == 2 && mpich.has_kind && mpich.kind == MpiKind::kMpich);
+  EXPECT_TRUE(mpich.ranks == 2 && mpich.kind == MpiKind::kMpich);
   const Launch pmix = launchWith({{"PMIX_RANK", "1"}, {"SLURM_STEP_NUM_TASKS", "4"}});
   EXPECT_TRUE(pmix.ranks == 4 && pmix.kind == MpiKind::kOpenMpi);
   const Launch none = launchWith({{"SLURM_PROCID", "1"}, {"SLURM_STEP_NUM_TASKS", "4"}});
-  EXPECT_TRUE(none.ranks == 4 && !none.has_kind);
+  EXPECT_TRUE(none.ranks == 4 && !none.kind);
   // A batch script's own step, and malformed values.
   EXPECT_EQ(launchWith({{"SLURM_PROCID", "0"}, {"SLURM_NTASKS", "4"}}).ranks, 1);
   EXPECT_EQ(launchWith({{"PMI_RANK", "x"}, {"PMI_SIZE", "2"}}).ranks, 1);

@@ -149,7 +149,7 @@ std::optional<CutOptions> cutOf(const Arguments& arguments, Team* team) {
 
 PictureOutput pictureOutput(const Arguments& arguments) {
   PictureOutput output;
-  if (arguments.look.has_background) output.background = arguments.look.background;
+  output.background = arguments.asked->background;
   output.annotate = arguments.annotate;
   if (pictureKind(arguments.output) == PictureKind::kExr)
     output.aovs = arguments.aovs.value_or(Aovs{.depth = traitsOf(arguments.frame.mode).has_colors});

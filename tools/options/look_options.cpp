@@ -14,9 +14,6 @@ void addLookOptions(CLI::App& app, const AskedView& asked, LookArguments& look,
   const TableOptions table(app, asked, [&look, &frame](const ViewState& state) {
     setLook(state.look, look);
     frame.mode = modeOf(state.look);
-    if (!state.background) return;
-    look.background = *state.background;
-    look.has_background = true;
   });
   table.add("-t,--threshold");
   table.add("--transfer");

@@ -73,18 +73,18 @@ Launch launchOf(const std::function<const char*(const char* variable)>& environm
     const int rank = numberIn(environment(launcher.rank));
     const int ranks = numberIn(environment(launcher.ranks));
     // A launcher may have started a single process, which draws alone and needs no MPI.
-    if (rank >= 0 && ranks > 1 && rank < ranks) return {rank, ranks, true, launcher.kind};
+    if (rank >= 0 && ranks > 1 && rank < ranks) return {rank, ranks, launcher.kind};
   }
   // The launcher srun sets these even if it was told of no MPI: processes that cannot meet would
   // each draw the whole picture.
   const int rank = numberIn(environment("SLURM_PROCID"));
   const int ranks = numberIn(environment("SLURM_STEP_NUM_TASKS"));
-  if (rank >= 0 && ranks > 1 && rank < ranks) return {rank, ranks, false, MpiKind::kOpenMpi};
+  if (rank >= 0 && ranks > 1 && rank < ranks) return {rank, ranks};
   return {};
 }
 
 std::unique_ptr<Communicator> joinRanks(const Launch& launch) {
-  if (!launch.has_kind)
+  if (!launch.kind)
     failSystem(
         "started {} times by srun without MPI, so that the ranks cannot meet; give srun --mpi=pmix "
         "or --mpi=pmi2, or use mpirun",
@@ -92,10 +92,10 @@ std::unique_ptr<Communicator> joinRanks(const Launch& launch) {
   std::unique_ptr<Communicator> ranks;
   // The module's own error does not tell that the program was started as ranks.
   try {
-    moduleFor(launch.kind).get<JoinMpi*>(kJoinMpi)(ranks);
+    moduleFor(*launch.kind).get<JoinMpi*>(kJoinMpi)(ranks);
   } catch (const Error& error) {
     failAs(error.kind(), "started as {} ranks of {}, which do not meet: {}", launch.ranks,
-           name(launch.kind), error.what());
+           name(*launch.kind), error.what());
   }
   SLUICE_CHECK_EQ(ranks->ranks(), launch.ranks);
   return ranks;

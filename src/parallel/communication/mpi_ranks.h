@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "src/parallel/communication/communicator.h"
@@ -17,8 +18,7 @@ struct Launch {
   int rank = 0, ranks = 1;
   // The launcher's MPI. Unset if it knows nothing of MPI (srun without a plugin for it), or if
   // there is no launcher.
-  bool has_kind = false;
-  MpiKind kind = MpiKind::kOpenMpi;
+  std::optional<MpiKind> kind = {};
 };
 // Reads environment variables by name; `environment` returns null for one that is not set.
 // Malformed variables are ignored (treated as one rank). Pure.

@@ -26,8 +26,6 @@ struct WorldPlane {
   double offset = 0;
 };
 
-inline constexpr size_t kMostAskedPlanes = 6;
-
 // The boxes that are drawn of a texture block: its object box, or the visible ones of its growing
 // boxes (Li 2003), which hold fewer empty cells. The picture is the same.
 enum class Partition { kBlocks, kBoxes };

@@ -12,13 +12,11 @@
 #include "src/base/looks/channel_look.h"
 #include "src/base/looks/label_look.h"
 #include "src/base/looks/surface_look.h"
+#include "src/base/looks/view_limits.h"
 #include "src/base/values/vec.h"
 
 namespace sluice {
 namespace {
-
-// Six more are left to a device, for the sides of the clip box (frame_values.h).
-constexpr size_t kMostPlanes = 6;
 
 template <class Triple>
 Vec3d vecOf(const Triple& a) {
@@ -95,8 +93,8 @@ class Check {
   }
   void operator()(const std::vector<OptionReals>& lists) const {
     if (kind_.form == OptionForm::kPlanes)
-      require(lists.size() <= kMostPlanes, field_, fmt::format("at most {} planes", kMostPlanes),
-              lists.size());
+      require(lists.size() <= kMostAskedPlanes, field_,
+              fmt::format("at most {} planes", kMostAskedPlanes), lists.size());
     for (size_t i = 0; i < lists.size(); ++i) {
       const std::string field = fmt::format("{}/{}", field_, i);
       const OptionReals& n = lists[i];

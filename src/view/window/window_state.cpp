@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "src/base/files/file_kind.h"
+#include "src/base/looks/view_limits.h"
 #include "src/view/state/files/state_file.h"
 #include "src/view/state/view_check.h"
 
@@ -151,7 +152,7 @@ void cutHere(WindowState& window) {
   window.afterFit([](WindowState& fitted) {
     ViewState next = fitted.state();
     // The limit is checked here again, since several acts may have waited for one fit.
-    if (next.clip_planes.size() >= kMostClipPlanes) return;
+    if (next.clip_planes.size() >= kMostAskedPlanes) return;
     const PlacedAxes axes = axesOf(next.view);
     const auto& target = next.view.look_at->target;
     next.clip_planes.push_back({{axes.back.x, axes.back.y, axes.back.z},

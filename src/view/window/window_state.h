@@ -243,7 +243,6 @@ std::vector<std::string> dropFit(WindowState& window, const std::string& why);
 void toggleProjection(WindowState& window);
 // Cuts off everything between the eye and the target.
 void cutHere(WindowState& window);
-inline constexpr size_t kMostClipPlanes = 6;
 void undo(WindowState& window);
 void redo(WindowState& window);
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "src/base/looks/view_limits.h"
 #include "src/view/window/panels/panels.h"
 
 namespace sluice {
@@ -58,7 +59,7 @@ bool dragInterval(int64_t& lo, int64_t& hi, int64_t most, const std::string& nam
 
 void planes(WindowState& window) {
   auto& shown = window.state().clip_planes;
-  if (shown.size() < kMostClipPlanes && ImGui::Button("cut here")) cutHere(window);
+  if (shown.size() < kMostAskedPlanes && ImGui::Button("cut here")) cutHere(window);
   window.log.control("cut here");
   const auto radius = static_cast<float>(window.volume.ground.radius);
   for (size_t i = 0; i < window.state().clip_planes.size(); ++i) {
