@@ -272,7 +272,7 @@ struct PictureKeyword {
 };
 
 void setSize(PictureOptions& picture, const py::handle& value) {
-  constexpr const char* kExpected = "(width, height) or one number for both, each from 1 to 65536";
+  constexpr const char* kExpected = "(width, height) or one number for both, each from 1";
   std::array<int, 2> size{};
   if (py::isinstance<py::int_>(value)) {
     size.fill(taken<int>("size", kExpected, value));
@@ -280,7 +280,7 @@ void setSize(PictureOptions& picture, const py::handle& value) {
     size = taken<std::array<int, 2>>("size", kExpected, value);
   }
   for (const int side : size)
-    if (side < 1 || side > 65536) failValue("size", kExpected, printed(value));
+    if (side < 1 || side > 1 << 30) failValue("size", kExpected, printed(value));
   picture.width = size[0];
   picture.height = size[1];
 }

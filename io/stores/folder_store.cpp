@@ -53,8 +53,12 @@ std::string FolderStore::wholeKey(const std::string& key) const {
 }
 
 bool FolderStore::has(const std::string& key) {
-  std::error_code ignored;
-  return fs::exists(key, ignored);
+  std::error_code error;
+  const bool is_there = fs::exists(key, error);
+  // It is there, and leads nowhere.
+  if (error == std::errc::too_many_symbolic_link_levels)
+    failErrno(fmt::format("{}: cannot be opened", key), error.value());
+  return is_there;
 }
 
 bool FolderStore::read(const std::string& key, const PieceBytes& wanted, const Room& room) {

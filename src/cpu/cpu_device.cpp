@@ -100,9 +100,7 @@ void CpuDevice::evict(uint64_t id) {
 
 void CpuDevice::beginFrame(const FrameSetup& setup, const StopToken& stop) {
   SLUICE_CHECK_LE(setup.clip_planes.size(), kMostClipPlanes);
-  if (std::max(setup.size.width, setup.size.height) > kMostPixels)
-    failRequest("a picture of {} x {} pixels: the CPU device draws at most {} along an axis",
-                setup.size.width, setup.size.height, kMostPixels);
+  requirePictureSize(setup.size, limits());
   if (sum_) {
     stop_ = stop;
     sum_->setups.push_back(setup);

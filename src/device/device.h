@@ -15,11 +15,13 @@
 #include <utility>
 #include <vector>
 
+#include "src/base/error.h"
 #include "src/base/threads/stop_token.h"
 #include "src/base/values/picture.h"
 #include "src/device/chunk_texels.h"
 #include "src/device/frame_values.h"
 #include "src/device/pictures/partial_picture.h"
+#include "src/device/view_values.h"
 
 namespace sluice {
 
@@ -34,6 +36,13 @@ struct DeviceLimits {
   int64_t max_picture_size = 0;  // pixels along an axis
   TexelPlace texels = TexelPlace::kOnDevice;
 };
+
+// Throws Error for a picture that is larger than the device draws.
+inline void requirePictureSize(const PictureSize& size, const DeviceLimits& limits) {
+  if (std::max(size.width, size.height) > limits.max_picture_size)
+    failRequest("--size {}x{}: this device draws at most {} pixels along an axis; give less",
+                size.width, size.height, limits.max_picture_size);
+}
 
 // Bytes of textures that a copying device may keep in addition to the resident ones, of which at
 // most `resident_bytes` were in use at once. They let it upload into storage that nothing draws

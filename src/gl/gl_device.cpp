@@ -171,10 +171,7 @@ void GlDevice::beginFrame(const FrameSetup& setup, const StopToken& stop) {
   pieces_.emplace(setup_);
   const ModeTraits& traits = traitsOf(setup.mode);
   variant_ = frameVariant(setup, fetches_);
-  const int64_t most = limits().max_picture_size;
-  if (std::max(setup.size.width, setup.size.height) > most)
-    failRequest("a picture of {} x {} pixels: the GL driver draws at most {} along an axis",
-                setup.size.width, setup.size.height, most);
+  requirePictureSize(setup.size, limits());
   frame_rows_ = rows_.value_or(PictureRows{0, setup.size.height});
   frame_rows_.hi = std::min(frame_rows_.hi, setup.size.height);
   SLUICE_CHECK(!rows_ || !setup.is_part);

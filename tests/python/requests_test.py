@@ -19,7 +19,7 @@ class Requests(unittest.TestCase):
             (dict(colour='red'), TypeError, "unexpected keyword 'colour'"),
             (dict(zoom='much'), TypeError, 'zoom'), (dict(zoom=0), ValueError, 'zoom'),
             (dict(zoom=float('nan')), ValueError, 'zoom'), (dict(size=(0, 4)), ValueError, 'size'),
-            (dict(size=1 << 20), ValueError, 'size'), (dict(size='big'), TypeError, 'size'),
+            (dict(size=1 << 20), sluice.Error, 'size'), (dict(size='big'), TypeError, 'size'),
             (dict(view='inside'), ValueError, "one of 'plain'"), (dict(crop=(0, 0, 0, 4)), ValueError, 'crop'),
             (dict(crop=(0, 0, 0, 400, 4, 4)), ValueError, 'crop'), (dict(time=3), ValueError, 'time'),
             (dict(time=-1), ValueError, 'time'), (dict(map='pinkish'), sluice.Error, 'pinkish'),

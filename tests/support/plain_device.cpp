@@ -41,8 +41,7 @@ uint64_t PlainDevice::residentBytes() const {
 
 void PlainDevice::beginFrame(const FrameSetup& setup, const StopToken& stop) {
   SLUICE_CHECK_LE(setup.clip_planes.size(), kMostClipPlanes);
-  if (std::max(setup.size.width, setup.size.height) > limits().max_picture_size)
-    fail("a picture of {} x {} pixels is too large", setup.size.width, setup.size.height);
+  requirePictureSize(setup.size, limits());
   setup_ = setup;
   stop_ = stop;
   taken_ = 0;

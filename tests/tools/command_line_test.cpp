@@ -101,7 +101,7 @@ TEST(CommandLine, aRefusedNumberIsAnsweredWithTheRange) {
       {"render --pages", "4294967296", "a power of two from 1 to 2147483648"},
       {"render --pages", "100", "a power of two from 1 to 2147483648"},
       {"render --step", "0", "a number above 0, up to 1e+06"},
-      {"render --size", "0", "each from 1 to 65536"},
+      {"render --size", "0", "in whole pixels"},
       {"render --block", "3", "a power of two from 4 to 1024"},
       {"render --opacity", "1.01", "a number from 0 to 1"},
       {"render --threads", "-1", "a whole number from 0 to 1024"},

@@ -166,6 +166,17 @@ TEST(PackCommand, wrongUsageIsOneLine) {
     EXPECT_EQ(result.status, 1) << line << ": " << result.output;
     EXPECT_TRUE(isOneLine(result.output)) << result.output;
   }
+  EXPECT_EQ(program.run("pack --check none.zarr").output,
+            "sluice: none.zarr: expected a store that sluice pack has written, found no such file "
+            "or folder\n");
+  // It is there, and leads nowhere.
+  ASSERT_EQ(program.inFolder("mkdir c.zarr && ln -s .zarray c.zarr/.zarray").status, 0);
+  for (const char* line : {"pack --check c.zarr", "info c.zarr", "render c.zarr -o a.png"}) {
+    const CommandResult result = program.run(line);
+    EXPECT_EQ(result.status, 1);
+    EXPECT_EQ(result.output,
+              "sluice: c.zarr/.zarray: cannot be opened: Too many levels of symbolic links\n");
+  }
   EXPECT_FALSE(program.exists("a.zarr"));
 }
 

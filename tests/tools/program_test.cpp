@@ -114,11 +114,41 @@ TEST(Program, badInputIsOneLineAndStatusOne) {
   EXPECT_FALSE(program.exists("a.png"));
 }
 
+TEST(Program, picturesBeyondTheDeviceAreRefusedAlikeByPlanAndRender) {
+  const Program program;
+  const std::string more = " synth:cube,dims=16x16x16 --device cpu --size ";
+  for (const std::string size : {"20000x10", "10x70000"})
+    for (const std::string command : {"plan", "render -o a.png", "render -o a.exr"}) {
+      const CommandResult refused = program.run(command + more + size);
+      EXPECT_EQ(refused.status, 1);
+      EXPECT_EQ(refused.output, "sluice: --size " + size +
+                                    ": this device draws at most 16384 pixels along an axis; give "
+                                    "less\n");
+    }
+  EXPECT_EQ(program.run("plan" + more + "16384x10").status, 0);
+}
+
+TEST(Program, benchesOfOneChannelRefuseSeveral) {
+  const Program program;
+  for (const std::string bench : {"algorithms", "skipping", "occlusion", "culling", "levels",
+                                  "quality", "threshold", "packing"}) {
+    const CommandResult refused = program.run("bench " + bench + " a.ome.zarr --channel 0,1");
+    EXPECT_EQ(refused.status, 2) << bench;
+    EXPECT_EQ(refused.output, "sluice: --channel: bench " + bench +
+                                  " measures one channel, found '0,1'; give one\n");
+  }
+  EXPECT_EQ(program.run("bench render a.ome.zarr --channel 0,1").status, 1) << "no such file";
+}
+
 TEST(Program, theLeastMemoryThatAnErrorNamesWorks) {
   const Program program;
   const std::string line = "render synth:shells,dims=70x70x70 -o a.png --size 32x32 --memory ";
   const CommandResult refused = program.run(line + "1M");
   ASSERT_EQ(refused.status, 1);
+  // The CPU device borrows chunks, and software OpenGL has textures.
+  EXPECT_NE(refused.output.find(" of chunks and "), std::string::npos) << refused.output;
+  EXPECT_NE(program.run(line + "1M --device gl").output.find(" of textures and "),
+            std::string::npos);
   const size_t at = refused.output.find("give --memory ");
   ASSERT_NE(at, std::string::npos) << refused.output;
   const std::string least = std::to_string(std::stoull(refused.output.substr(at + 14)));

@@ -38,6 +38,7 @@ using Show = std::function<int(nlohmann::json report, Print print)>;
 struct Bench {
   CLI::App* app;
   std::function<int(const Show&)> run;
+  bool shows_channels = false;  // of a volume, several together; others measure one
 };
 
 // The picture that every bench draws by default, comparable over versions and with other renderers,

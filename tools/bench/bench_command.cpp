@@ -7,6 +7,7 @@
 #include "tools/bench/bench_report.h"
 #include "tools/command_line/console.h"
 #include "tools/command_line/outputs.h"
+#include "tools/command_line/usage.h"
 #include "tools/commands/commands.h"
 #include "tools/outputs/report.h"
 #include "tools/pages/report_file.h"
@@ -30,6 +31,15 @@ Outputs outputsOf(const CLI::App& app, const std::string& report) {
   }
   outputs.writes("--report", report, reportKind(report));
   return outputs;
+}
+
+// Throws a usage error for several channels that a bench of one would take the first of.
+void requireOneChannel(const CLI::App& bench) {
+  const CLI::Option* const option = bench.get_option_no_throw("--channel");
+  for (const std::string& word : option != nullptr ? option->results() : CLI::results_t())
+    if (word.find(',') != std::string::npos)
+      failUsage("--channel: bench {} measures one channel, found '{}'; give one", bench.get_name(),
+                word);
 }
 
 // The destination of a report.
@@ -57,6 +67,7 @@ Command addBench(CLI::App& program) {
   return [=] {
     for (const Bench& bench : benches) {
       if (!bench.app->parsed()) continue;
+      if (!bench.shows_channels) requireOneChannel(*bench.app);
       outputsOf(*bench.app, output->file).check();
       return bench.run([&](nlohmann::json report, Print print) -> int {
         report.update(

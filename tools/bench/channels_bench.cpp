@@ -107,7 +107,7 @@ Bench addChannelsBench(CLI::App& app) {
       "\n\nExample:\n  sluice bench channels cells.ome.zarr --channel 0,1,2 --no-shade");
   addFrames(*channels, *bench, kFramesOfEachWay);
   return {channels,
-          [bench](const Show& show) { return show(benchChannels(*bench), printChannels); }};
+          [bench](const Show& show) { return show(benchChannels(*bench), printChannels); }, true};
 }
 
 }  // namespace sluice

@@ -160,12 +160,14 @@ Bench addRanksBench(CLI::App& app) {
       [bench](const std::vector<int>& counts) { bench->ranks = counts; },
       "Ranks to measure if no launcher sets their number", "1,2");
   addFramesOption(output, bench->frames, kFrames);
-  return {ranks, [bench, ranks](const Show& show) {
+  return {ranks,
+          [bench, ranks](const Show& show) {
             return onRanks([&](Team* team) {
               if (team != nullptr) expectSameCommand(*team, *ranks);
               return show(benchRanks(*bench, team), printRanks);
             });
-          }};
+          },
+          true};
 }
 
 }  // namespace sluice

@@ -217,7 +217,8 @@ Bench addWindowBench(CLI::App& app) {
   output.choice("--drag",
                 Words<DragKind>{{"threshold", DragKind::kThreshold}, {"view", DragKind::kView}},
                 *drag, "What the hand moves");
-  return {view, [bench, events, drag, options](const Show& show) {
+  return {view,
+          [bench, events, drag, options](const Show& show) {
             const ViewState state = viewState(*options, bench->volume, bench->look);
             const IndexWish wish = indexWish(bench->resources.index_dir);
             ViewBench asked;
@@ -234,7 +235,8 @@ Bench addWindowBench(CLI::App& app) {
             asked.events = *events;
             asked.drag = *drag;
             return show(benchView(asked), printView);
-          }};
+          },
+          true};
 }
 
 }  // namespace sluice

@@ -26,6 +26,7 @@ std::optional<std::vector<double>> parseNumbers(const std::string& text, size_t 
 }
 
 std::optional<PictureSize> parsePictureSize(const std::string& text) {
+  constexpr double kMostSide = 1 << 30;  // far beyond any device, which has a limit of its own
   auto numbers = parseNumbers(text, 2);
   if (!numbers) {
     numbers = parseNumbers(text, 1);
@@ -33,7 +34,7 @@ std::optional<PictureSize> parsePictureSize(const std::string& text) {
     numbers->push_back(numbers->front());
   }
   for (const double n : *numbers)
-    if (n < 1 || n > 65536 || n != std::floor(n)) return std::nullopt;
+    if (n < 1 || n > kMostSide || n != std::floor(n)) return std::nullopt;
   return PictureSize{static_cast<int>((*numbers)[0]), static_cast<int>((*numbers)[1])};
 }
 

@@ -224,6 +224,9 @@ int pack(const PackArguments& arguments) {
 int check(const PackArguments& arguments) {
   Workers pool(arguments.resources.threads);
   const std::string& name = arguments.volume.inputs.front();
+  std::error_code unknown;
+  if (!std::filesystem::exists(name, unknown))
+    fail("{}: expected a store that sluice pack has written, found no such file or folder", name);
   CheckReport report;
   {
     ProgressMeter progress = arguments.resources.quiet

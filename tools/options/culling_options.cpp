@@ -15,8 +15,10 @@ void addCullingOptions(CLI::App& app, CullingArguments& arguments, bool chooses)
                  "Skips blocks that others hide: by least opacities (pof), by ratios to thickness "
                  "(opof), or as opof, but estimates again only where blocks change (toc); auto: "
                  "toc if the series is prepared and its first steps are drawn faster with it");
-  group.number("--difference", "D", arguments.difference, {0, 1},
-               "Fuses blocks of successive steps that differ less than this; 0: none");
+  group.number(
+      "--difference", "D", arguments.difference, {0, 1},
+      "Fuses blocks of successive steps whose opacities differ less than this: the mean of "
+      "the squared differences over the voxels that are not empty, 0 to 1; 0: none");
   group.number(
       "--directions", "N", arguments.directions, {1, 16},
       "Rows of directions, over 90 degrees, for which an opacity function keeps opacities");

@@ -59,7 +59,7 @@ void addCameraOptions(CLI::App& app, const AskedView& asked, Camera& camera) {
 void addDrawingOptions(CLI::App& app, const AskedView& asked, FrameOptions& options) {
   OptionGroup(app, std::string(kDrawingHeading))
       .parsed(
-          "-s,--size", "WxH", "WxH or one number for both, each from 1 to 65536", parsePictureSize,
+          "-s,--size", "WxH", "WxH or one number for both, in whole pixels", parsePictureSize,
           [&options](PictureSize size) { options.size = size; },
           "Width and height in pixels; one number stands for both",
           fmt::format("{}x{}", options.size.width, options.size.height));

@@ -139,6 +139,9 @@ int run(const PlanArguments& asked, const CLI::App& app) {
   checkBasis(arguments.culling);
   Workers pool(arguments.resources.threads);
   check(arguments);
+  // A device that draws decides which pictures it can draw, and how much memory is the least.
+  const DeviceLimits device = limitsOf(arguments.resources.device, pool);
+  requirePictureSize(arguments.frame.size, device);
   // Functions of opacity hold for one transfer function of all steps.
   arguments.look.whole_series = arguments.culling.culling != Culling::kNone ||
                                 looksAtAllSteps(arguments.look, arguments.frame, arguments.fit);
@@ -176,13 +179,11 @@ int run(const PlanArguments& asked, const CLI::App& app) {
          notOne(looks.size(), opened.volumes.back().channel));
   const std::unique_ptr<PlannedCulling> culling =
       plannedCulling(arguments, first, opened.transfers.front(), pool);
-  // A device that draws decides how much memory is the least that works.
-  const TexelPlace texels = texelPlaceOf(arguments.resources.device, pool);
   const Combine combine = combineOf(arguments.look, arguments.frame, looks);
-  const std::vector<PlannedChannel> channels =
-      plannedChannels(channelShares(looks, combine, arguments.frame, arguments.resources,
-                                    culling != nullptr ? culling->most_bytes : 0, pool),
-                      combine, culling != nullptr ? &culling->blocks : nullptr, texels, pool);
+  const std::vector<PlannedChannel> channels = plannedChannels(
+      channelShares(looks, combine, arguments.frame, arguments.resources,
+                    culling != nullptr ? culling->most_bytes : 0, pool),
+      combine, culling != nullptr ? &culling->blocks : nullptr, device.texels, pool);
   const std::vector<PlannedBoxes> boxes = boxesOf(channels, arguments.resources, pool);
   const PlanToReport plan{channels, boxes, arguments.frame.algorithm};
   const VisibleBlocks& shown = *channels.front().shown.blocks;

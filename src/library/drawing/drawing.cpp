@@ -118,6 +118,7 @@ FrameOptions Drawing::asked(const PictureOptions& picture) const {
   requireNoConflict({picture, asked_look_, {}, {}, {}});
   FrameOptions options = frameOptions(picture, layout(), mode_);
   setPipeline(pipeline_, options);
+  requirePictureSize(options.size, scene_.device->limits());
   return options;
 }
 

@@ -53,10 +53,10 @@ std::string shortageLine(const MemoryShortage::Bytes& of_one, size_t channels,
       channels == 1 ? ""
                     : fmt::format("{} channels share the memory evenly, and of each ", channels);
   return fmt::format(
-      "--memory {} is too small: {}{} of textures and {} of buffers are the least that works; "
+      "--memory {} is too small: {}{} of {} and {} of buffers are the least that works; "
       "give --memory {} or fewer --pages",
       formatBytes(channels * of_one.memory), sharing, formatBytes(of_one.textures),
-      formatBytes(of_one.buffers),
+      of_one.texels == TexelPlace::kBorrowed ? "chunks" : "textures", formatBytes(of_one.buffers),
       least_bytes.value_or(channels * (of_one.textures + of_one.buffers)));
 }
 
@@ -141,7 +141,7 @@ Budgets shareMemory(uint64_t memory_bytes, const PageGeometry& page, TexelPlace 
   const uint64_t textures = textureMemoryBytes(page, texels);
   // Beyond this check none of the differences below can wrap.
   if (memory_bytes < textures + least_buffers)
-    throw MemoryShortage({memory_bytes, textures, least_buffers});
+    throw MemoryShortage({memory_bytes, textures, least_buffers, texels});
   // Beyond the least: an eighth for growing boxes, one for their voxels and one for a source if
   // these can use it, a third of the remainder for chunks, the rest for blocks and for more
   // readers.

@@ -53,7 +53,10 @@ uint64_t textureMemoryBytes(const PageGeometry& page, TexelPlace texels);
 class MemoryShortage : public Error {
  public:
   struct Bytes {
-    uint64_t memory = 0, textures = 0, buffers = 0;
+    uint64_t memory = 0;
+    uint64_t textures = 0;  // or the chunks that a device borrows, with its tables of them
+    uint64_t buffers = 0;
+    TexelPlace texels = TexelPlace::kInMemory;
   };
   // `channels`: so many share --memory evenly, and the bytes are the part and the needs of one. The
   // message names `least_bytes` for all of them; unset: as much as these needs.

@@ -37,8 +37,8 @@ std::unique_ptr<Device> makeDevice(const DeviceArguments& arguments, WorkerPool&
   return std::make_unique<CpuDevice>(pool, arguments.simd);
 }
 
-TexelPlace texelPlaceOf(const DeviceArguments& arguments, WorkerPool& pool) {
-  return makeDevice(arguments, pool)->limits().texels;
+DeviceLimits limitsOf(const DeviceArguments& arguments, WorkerPool& pool) {
+  return makeDevice(arguments, pool)->limits();
 }
 
 const char* nameOf(const Device& device) {

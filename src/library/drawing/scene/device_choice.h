@@ -26,8 +26,8 @@ struct DeviceArguments {
 // `pool`, whose threads the CPU device draws on, must outlive it. Throws Error.
 std::unique_ptr<Device> makeDevice(const DeviceArguments& arguments, WorkerPool& pool);
 
-// The place in which that device keeps its texels: a plan needs it and draws nothing. Throws Error.
-TexelPlace texelPlaceOf(const DeviceArguments& arguments, WorkerPool& pool);
+// The limits of that device: a plan needs them and draws nothing. Throws Error.
+DeviceLimits limitsOf(const DeviceArguments& arguments, WorkerPool& pool);
 
 // "gl" or "cpu".
 const char* nameOf(const Device& device);

@@ -25,6 +25,7 @@ Scene::Scene(SceneInputs inputs, const LookArguments& asked_look, const FrameOpt
       memory_bytes(memoryBudget(inputs.machine)),
       asked(asked_look),
       device(makeDevice(machine.device, pool)) {
+  requirePictureSize(frame.size, device->limits());
   for (auto& further : inputs.more)
     more.push_back(std::make_unique<Layer>(std::move(further), machine));
   requireShown(asked, shownChannels());
