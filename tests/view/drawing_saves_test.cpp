@@ -4,7 +4,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <atomic>
 #include <fstream>
 #include <map>
 #include <thread>
@@ -13,7 +12,6 @@
 #include "src/base/files/file_kind.h"
 #include "src/base/threads/threads.h"
 #include "src/view/drawing/drawing_thread.h"
-#include "src/view/drawing/news_box.h"
 #include "src/view/state/files/state_file.h"
 #include "tests/support/temp_folder.h"
 
@@ -382,22 +380,6 @@ TEST(DrawingSaves, aTraceThatCannotBeWrittenIsNamedAtTheEnd) {
   ASSERT_TRUE(writer.wait([&] { return writer.desk().status().completed >= number; }));
   fs::remove_all(folder / "gone");
   EXPECT_THAT(writer.desk().end(), testing::ElementsAre(HasSubstr("t.txt")));
-}
-
-// The renderer deletes the texture of such a picture at its end only if nobody else holds it.
-TEST(NewsBox, letsGoOfAPictureThatNobodyHasTaken) {
-  NewsBox box({});
-  const auto seen = std::make_shared<std::atomic<void*>>(nullptr);
-  box.add([&](News& news) {
-    news.picture = std::make_unique<ShownPicture>();
-    news.picture->screen = ScreenImage{};
-    news.picture->screen->seen = seen;
-    news.notes.emplace_back("a note");
-  });
-  EXPECT_EQ(seen.use_count(), 2);
-  box.dropPicture();
-  EXPECT_EQ(seen.use_count(), 1);
-  EXPECT_EQ(box.take().notes.size(), 1);
 }
 
 }  // namespace
