@@ -124,8 +124,7 @@ Bench addRenderBench(CLI::App& app) {
           "Measures the median frame of a turn, warm, and its share of the sampling rate\n\n") +
           kPlainPicture + "  sluice bench render bonsai.nii.gz --threshold 40");
   addFrames(*render, *bench, kFrames);
-  return {render, [bench](const Show& show) { return show(benchFrames(*bench), printFrames); },
-          true};
+  return {render, [bench](const Show& show) { return show(benchFrames(*bench), printFrames); }};
 }
 
 }  // namespace sluice
