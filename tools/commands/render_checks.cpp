@@ -111,7 +111,7 @@ void checkOutput(const Arguments& arguments) {
   if (arguments.times && arguments.frames > 1)
     failUsage("--frames {} takes one time step, not a range of --time", arguments.frames);
   checkPicture(pictureOf(arguments), viewState(*arguments.asked, arguments.volume, arguments.look));
-  // Of a saved view it would be the file's fault.
+  // If a saved view says it, it is the file's fault.
   if (arguments.state_file.empty())
     checkPlainOptions(arguments.volume, arguments.look, arguments.frame);
   if (arguments.verify && arguments.culling.culling != Culling::kNone && frameCount(arguments) > 1)

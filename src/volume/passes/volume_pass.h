@@ -1,4 +1,5 @@
-// What each pass over a volume's voxels is given: threads, a watcher, a limit and a stop token.
+// VolumePass: the threads, the watcher, the limit and the stop token of a pass over a volume's
+// voxels.
 #pragma once
 
 #include <cstdint>
