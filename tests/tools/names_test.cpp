@@ -80,7 +80,6 @@ TEST(Names, ofFilesInMessagesAreThoseThatWereGiven) {
               HasSubstr("sluice: a/v.zarr: its coarser levels hold"));
   EXPECT_THAT(errorOf(raw + " --spacing 1,1,1e12"), HasSubstr("sluice: " + raw + ": its spacing"));
   EXPECT_THAT(errorOf(raw + " --step 1e-9"), HasSubstr("sluice: " + raw + ": --step"));
-  EXPECT_THAT(errorOf("a/v.nrrd --shadows --modulate"), HasSubstr("sluice: a/v.nrrd: --shadows"));
   EXPECT_THAT(errorOf("b/v.nrrd --memory 100"), HasSubstr("sluice: b/v.nrrd: "));
   EXPECT_THAT(errorOf("a/v.nrrd --over b/v.nrrd --combine blend"),
               HasSubstr("b/v.nrrd is on another grid of voxels than a/v.nrrd"));
