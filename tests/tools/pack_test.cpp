@@ -148,6 +148,19 @@ TEST(PackCommand, allChannelsArePackedAndNamed) {
   }
 }
 
+// The store cannot tell later what its source lacked.
+TEST(PackCommand, saysWhatIsWorthKnowingOfItsSource) {
+  const Program program;
+  ASSERT_EQ(program.inFolder("mkdir s").status, 0);
+  for (const std::string slice : {"s_1", "s_2", "s_4"})
+    ASSERT_EQ(program.run("render synth:cube,dims=8x8x8 --size 8 -q -o s/" + slice + ".png").status,
+              0);
+  const CommandResult packed = program.run("pack s -o s.zarr");
+  EXPECT_EQ(packed.status, 0) << packed.output;
+  EXPECT_THAT(packed.output, HasSubstr("s_3.png is missing, between s_2.png and s_4.png"));
+  EXPECT_EQ(program.run("pack s -o quiet.zarr -q").output, "");
+}
+
 TEST(PackCommand, wrongUsageIsOneLine) {
   const Program program;
   for (const char* line :

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "io/zarr/packing/zarr_writer.h"
@@ -109,6 +110,19 @@ void removeOldIndices(const PackArguments& arguments) {
   for (const std::filesystem::path& folder : places.folders) removeIndices(folder);
 }
 
+// Says once what is worth knowing of the channels' source, which the store will not tell.
+void printNotes(std::span<const std::unique_ptr<VolumeSource>> channels) {
+  // The first of several was opened without a choice, and a note of its own says so.
+  if (channels.size() > 1) channels = channels.subspan(1);
+  std::vector<std::string> said;
+  for (const auto& channel : channels)
+    for (const std::string& note : channel->layout().notes) {
+      if (std::ranges::find(said, note) != said.end()) continue;
+      printWarning(note);
+      said.push_back(note);
+    }
+}
+
 // A source for each channel; the one that the user asks for alone.
 std::vector<std::unique_ptr<VolumeSource>> openEachChannel(const VolumeArguments& arguments) {
   std::vector<std::unique_ptr<VolumeSource>> channels;
@@ -148,6 +162,7 @@ int pack(const PackArguments& arguments) {
   // This comes before anything is opened: an output that holds an input is found by its name alone.
   outputs.checkNames();
   const auto sources = openEachChannel(arguments.volume);
+  if (!arguments.resources.quiet) printNotes(sources);
   std::vector<VolumeSource*> channels;
   channels.reserve(sources.size());
   for (const auto& source : sources) channels.push_back(source.get());

@@ -11,6 +11,7 @@ TiffPage tiffPageOf(TIFF* tiff) {
   p.directory = TIFFCurrentDirOffset(tiff);
   p.width = tiffField<uint32_t>(tiff, TIFFTAG_IMAGEWIDTH, 0);
   p.height = tiffField<uint32_t>(tiff, TIFFTAG_IMAGELENGTH, 0);
+  p.depth = tiffField<uint32_t>(tiff, TIFFTAG_IMAGEDEPTH, 1);
   p.bits = tiffField<uint16_t>(tiff, TIFFTAG_BITSPERSAMPLE, 1);
   p.samples = tiffField<uint16_t>(tiff, TIFFTAG_SAMPLESPERPIXEL, 1);
   p.sample_format = tiffField<uint16_t>(tiff, TIFFTAG_SAMPLEFORMAT, SAMPLEFORMAT_UINT);
@@ -36,6 +37,8 @@ std::vector<uint64_t> reducedDirectoriesOf(TIFF* tiff) {
 }
 
 VoxelType voxelTypeOf(const TiffPage& p, const std::string& path) {
+  if (p.depth != 1)
+    fail("{}: a page of {} planes (ImageDepth), expected pages of one plane each", path, p.depth);
   const bool is_gray =
       p.photometric == PHOTOMETRIC_MINISBLACK || p.photometric == PHOTOMETRIC_MINISWHITE;
   const bool is_unsigned =

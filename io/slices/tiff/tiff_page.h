@@ -16,7 +16,7 @@ namespace sluice {
 // How a page is stored.
 struct TiffPage {
   uint64_t directory = 0;  // offset of its table in the file
-  uint32_t width = 0, height = 0;
+  uint32_t width = 0, height = 0, depth = 1;
   uint16_t bits = 1, samples = 1, sample_format = SAMPLEFORMAT_UINT;
   uint16_t photometric = PHOTOMETRIC_MINISBLACK, compression = COMPRESSION_NONE;
   uint16_t planar = PLANARCONFIG_CONTIG, orientation = ORIENTATION_TOPLEFT;

@@ -230,8 +230,7 @@ std::optional<Role> roleOf(const ZarrAxis& axis) {
   if (space && name == "x") return Role::kX;
   if (space && name == "y") return Role::kY;
   if (space && name == "z") return Role::kZ;
-  if (axis.type == "space") return Role::kSomeSpace;
-  return std::nullopt;
+  return space ? std::optional(Role::kSomeSpace) : std::nullopt;
 }
 
 std::vector<Role> rolesByName(const std::vector<ZarrAxis>& axes, const std::string& path) {

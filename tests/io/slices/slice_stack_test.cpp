@@ -343,5 +343,18 @@ for n in range(234):
                        {512, 512, 234});
 }
 
+TEST(SliceStack, aPageOfSeveralPlanesIsRefused) {
+  if (!hasPythonModules("numpy, tifffile")) GTEST_SKIP() << "python3 with tifffile is missing";
+  const TempFolder folder;
+  const std::string file = (folder / "deep.tif").string();
+  ASSERT_EQ(
+      runCommand("/usr/bin/python3 -c \"import numpy as n, tifffile as t; t.imwrite('" + file +
+                 "', n.zeros((32, 32, 48), 'u1'), photometric='minisblack', "
+                 "tile=(16, 16, 16), volumetric=True)\"")
+          .status,
+      0);
+  EXPECT_THAT(errorOf([&] { openVolume(file); }), testing::HasSubstr("a page of 32 planes"));
+}
+
 }  // namespace
 }  // namespace sluice

@@ -289,7 +289,9 @@ TEST(ZarrImage, eachFieldIsCheckedByName) {
         {R"({"multiscales": [{}]})", "datasets"},
         {R"({"multiscales": [{"datasets": []}]})", "one level"},
         {R"({"multiscales": [{"datasets": [{"path": 3}]}]})", "a text"},
-        {imageOf(R"(["q", "y", "x"])", sound, ""), "axis 'q'"},
+        {imageOf(R"([{"name": "q", "type": "phase"}, {"name": "y"}, {"name": "x"}])", sound, ""),
+         "axis 'q'"},
+        {imageOf(R"(["q", "z", "y", "x"])", sound, ""), "4 axes"},
         {imageOf(R"(["z", "x", "x"])", sound, ""), "each of the axes"},
         {imageOf(R"(["t", "y", "x"])", sound, ""), "each of the axes"},
         {imageOf(R"(["t", "z", "y", "x"])", sound, ""), "4 axes"},
@@ -313,6 +315,19 @@ TEST(ZarrImage, eachFieldIsCheckedByName) {
         << wrong.text;
   }
   EXPECT_THAT(errorOf([&] { layoutOf(imageOf(kZyx, sound, ""), "2"); }), HasSubstr("level '2'"));
+}
+
+// xarray names axes dim_0, dim_1, ... or as its user does.
+TEST(ZarrImage, axesOfOtherNamesAndNoTypeAreOfSpace) {
+  ZarrImage image;
+  for (const char* const name : {"lev", "lat", "lon"}) {
+    ZarrAxis axis;
+    axis.name = name;
+    image.axes.push_back(axis);
+  }
+  const ZarrView view =
+      viewZarr(parseZarrArray(arrayWith("shape", "[20, 30, 40]"), ""), image, false, "a");
+  EXPECT_EQ(view.layout.dims, (Vec3i{40, 30, 20}));
 }
 
 TEST(ZarrImage, twoAxesAreNoVolume) {
