@@ -24,7 +24,8 @@ std::string keywordIn(std::string_view option) {
   return keywordOf(option);
 }
 
-// Where a warning is shown: the frame of Python that called the package, as a level of the stack.
+// The frame of Python that called the package, as a level of the stack: its line is shown with a
+// warning.
 int callersLevel() {
   const auto isOurs = [](const py::object& frame) {
     const auto name = py::str(frame.attr("f_globals").attr("get")("__name__")).cast<std::string>();

@@ -12,6 +12,7 @@
 #include "src/base/error.h"
 #include "src/base/files/number_text.h"
 #include "src/base/threads/threads.h"
+#include "src/base/values/letter_case.h"
 
 namespace sluice {
 namespace {
@@ -92,10 +93,8 @@ void takeHeaderLine(std::string_view line, HttpHead& head) {
   }
   const size_t colon = line.find(':');
   if (colon == std::string_view::npos) return;
-  std::string name(line.substr(0, colon));
   // Names of headers have no case (RFC 9110, 5.1).
-  for (char& c : name)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  const std::string name = lowercase(line.substr(0, colon));
   const std::string_view value = trimmed(line.substr(colon + 1));
   if (name == "content-length") head.length = numberIn<uint64_t>(value);
   if (name == "content-range") takeContentRange(value, head);

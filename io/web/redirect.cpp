@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "src/base/error.h"
+#include "src/base/values/letter_case.h"
 
 namespace sluice {
 namespace {
@@ -17,10 +18,8 @@ using Url = std::unique_ptr<CURLU, UrlDeleter>;
 std::string partOf(CURLU* url, CURLUPart part, unsigned flags = 0) {
   char* text = nullptr;
   if (curl_url_get(url, part, &text, flags) != CURLUE_OK) return "";
-  std::string copy(text);
+  std::string copy = lowercase(text);
   curl_free(text);
-  for (char& c : copy)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
   return copy;
 }
 

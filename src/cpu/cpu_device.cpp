@@ -9,7 +9,6 @@
 #include <fmt/format.h>
 
 #include "src/base/error.h"
-#include "src/cpu/added_boxes.h"
 #include "src/cpu/kernels/kernel_box.h"
 #include "src/cpu/least_opacity.h"
 #include "src/device/drawing_cost.h"

@@ -195,7 +195,7 @@ TEST(StateFile, saysWhatIsWrongAndWhere) {
     EXPECT_THAT(said(R"({"sluice": "view", "path": {"kind": "keys", "keys": [{)" + camera + "}]}}"),
                 HasSubstr("at /path/keys/0/camera/" + key));
   }
-  // What excludes each other on a command line.
+  // These exclude each other on a command line, too.
   for (const auto& [keys, one, other] :
        {std::tuple(R"("opacities": [[1, 0], [2, 1]], "threshold": 3)", "threshold", "opacities"),
         std::tuple(R"("transfer": "a.json", "threshold": 3)", "threshold", "transfer"),

@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <nlohmann/json.hpp>
@@ -51,6 +52,14 @@ void printError(std::string line) {
 
 void printWarning(const std::string& line) {
   printError("warning: " + line);
+}
+
+void printNewWarnings(const std::vector<std::string>& lines, std::vector<std::string>& said) {
+  for (const std::string& line : lines) {
+    if (std::ranges::find(said, line) != said.end()) continue;
+    printWarning(line);
+    said.push_back(line);
+  }
 }
 
 void printNotice(const std::string& line) {

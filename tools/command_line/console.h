@@ -10,6 +10,7 @@
 #include <string_view>
 #include <tuple>
 #include <type_traits>
+#include <vector>
 
 #include "src/base/files/shell_word.h"
 
@@ -51,6 +52,8 @@ void say(fmt::format_string<Values...> format, Values&&... values) {
 void printError(std::string line);
 // "sluice: warning: LINE"
 void printWarning(const std::string& line);
+// The same of the lines that were not `said` yet, to which they are added.
+void printNewWarnings(const std::vector<std::string>& lines, std::vector<std::string>& said);
 // "sluice: LINE", of something that is as it should be.
 void printNotice(const std::string& line);
 

@@ -115,12 +115,7 @@ void printNotes(std::span<const std::unique_ptr<VolumeSource>> channels) {
   // The first of several was opened without a choice, and a note of its own says so.
   if (channels.size() > 1) channels = channels.subspan(1);
   std::vector<std::string> said;
-  for (const auto& channel : channels)
-    for (const std::string& note : channel->layout().notes) {
-      if (std::ranges::find(said, note) != said.end()) continue;
-      printWarning(note);
-      said.push_back(note);
-    }
+  for (const auto& channel : channels) printNewWarnings(channel->layout().notes, said);
 }
 
 // A source for each channel; the one that the user asks for alone.

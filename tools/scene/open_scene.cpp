@@ -30,11 +30,7 @@ IndexedVolume indexed(ChannelSource opened, const ResourceArguments& resources,
                                      indexWish(resources.index_dir), pass);
   volume.channel = std::move(opened.channel);
   std::ranges::move(opened.notes, std::back_inserter(volume.notes));
-  for (const std::string& note : volume.notes) {
-    if (resources.quiet || std::ranges::find(said, note) != said.end()) continue;
-    printWarning(note);
-    said.push_back(note);
-  }
+  if (!resources.quiet) printNewWarnings(volume.notes, said);
   return volume;
 }
 

@@ -1,4 +1,4 @@
-// What tests of the classification share: transfer functions that show some values, and the blocks
+// Tests of the classification share these transfer functions that show some values, and the blocks
 // that show, checked in the other ways to ask for them.
 #pragma once
 
