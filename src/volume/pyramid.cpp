@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "src/base/error.h"
@@ -83,9 +84,18 @@ std::string PyramidLayout::add(Vec3i dims, const LevelPlacement& placement, int 
       };
       const bool fits = lo < hi && shift(lo, block * side) >= -kMostShift - kRounding &&
                         shift(hi, (block + 1) * side) <= kMostShift + kRounding;
-      if (!fits)
-        return fmt::format("its voxels do not lie on every {} of the level below along {}", times,
-                           "xyz"[a]);
+      if (fits) continue;
+      // A voxel lies in the middle of those that it stands for, or at the first of them.
+      const double middle = (placement.scale[a] - 1) / 2, offset = placement.offset[a];
+      if (offset < std::min(0.0, middle) - kRounding || offset > std::max(0.0, middle) + kRounding)
+        return fmt::format(
+            "along {} its first voxel lies at {:g} among those of level 0, expected "
+            "0 to {:g}",
+            "xyz"[a], offset, middle);
+      return fmt::format(
+          "along {} its voxels are {:g} times as wide as those of the level before, "
+          "expected a whole number",
+          "xyz"[a], factor);
     }
   }
   if (level.width == below.width) return "its voxels are no larger than the previous level's";

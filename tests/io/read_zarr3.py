@@ -32,6 +32,8 @@ def checked(data):
 root, out = sys.argv[1:]
 meta = json.load(open(os.path.join(root, "zarr.json")))
 assert meta["zarr_format"] == 3 and meta["node_type"] == "array"
+# OME-Zarr 0.5 requires them.
+assert meta["dimension_names"][-3:] == ["z", "y", "x"]
 assert meta["chunk_key_encoding"] == {"name": "default", "configuration": {"separator": "/"}}
 (sharding,) = meta["codecs"]
 assert sharding["name"] == "sharding_indexed"

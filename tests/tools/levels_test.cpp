@@ -155,6 +155,25 @@ TEST_F(LevelsCommand, packedLevelsAreDrawnWithTheirSpreadsAndOthersWithout) {
   EXPECT_FALSE(program_.json("render " + default_cut).contains("cut"));
 }
 
+TEST_F(LevelsCommand, aLevelThatIsLeftOutIsListedWithTheReason) {
+  ASSERT_EQ(
+      program_.run("pack synth:noise,dims=64x64x64 -q -o v.zarr --levels 2 --chunk 16").status, 0);
+  const std::filesystem::path attributes = program_.folder / "v.zarr/.zattrs";
+  auto image = json::parse(readFile(attributes));
+  image["multiscales"][0]["datasets"][1]["coordinateTransformations"][1]["translation"] = {9, 0.5,
+                                                                                           0.5};
+  writeFile(attributes, image.dump());
+  const std::string reason =
+      "along z its first voxel lies at 9 among those of level 0, expected 0 to 0.5";
+  const std::string listed = program_.run("info v.zarr --levels").output;
+  EXPECT_THAT(listed, HasSubstr("levels from 1 on are left out: " + reason));
+  EXPECT_THAT(listed, HasSubstr("spread: u8; left out of pictures\n"));
+  EXPECT_THAT(listed, HasSubstr("\n  level 1 is left out, with all above it: " + reason));
+  const json levels = program_.json("info v.zarr --levels")["pyramid"];
+  EXPECT_EQ(levels[0]["left_out"], "");
+  EXPECT_EQ(levels[2]["left_out"], reason);
+}
+
 TEST_F(LevelsCommand, benchCutPlansAVolumeThatDoesNotExist) {
   const json report = program_.json("bench cut --dims 900,700,500 --frames 2");
   EXPECT_EQ(report["command"], "bench cut");

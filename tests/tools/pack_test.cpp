@@ -161,6 +161,64 @@ TEST(PackCommand, saysWhatIsWorthKnowingOfItsSource) {
   EXPECT_EQ(program.run("pack s -o quiet.zarr -q").output, "");
 }
 
+// The scaling of the values is told, and kept where xarray reads it.
+TEST(PackCommand, aScalingOfTheValuesIsTold) {
+  const Program program;
+  std::string voxels(8 * 8 * 8, '\0');
+  for (size_t i = 0; i < voxels.size(); ++i) voxels[i] = static_cast<char>(i % 50);
+  writeFile(program.folder / "v.mha",
+            "ObjectType = Image\nNDims = 3\nDimSize = 8 8 8\nElementType = MET_UCHAR\n"
+            "ElementToIntensityFunctionSlope = 0.5\nElementToIntensityFunctionOffset = 10\n"
+            "ElementDataFile = LOCAL\n" +
+                voxels);
+  const auto range = program.json("info v.mha")["value_range"];
+  for (const char* version : {"2", "3"}) {
+    const CommandResult packed =
+        program.run(fmt::format("pack v.mha -o v{0}.zarr --zarr {0}", version));
+    EXPECT_EQ(packed.status, 0) << packed.output;
+    EXPECT_THAT(packed.output, HasSubstr("holds the stored numbers; values are these * 0.5 + 10"));
+    EXPECT_EQ(program.run(fmt::format("pack v.mha -o q{0}.zarr --zarr {0} -q", version)).output,
+              "");
+    EXPECT_EQ(program.json(fmt::format("info v{}.zarr", version))["value_range"], range);
+    // The array by itself has the scaling, too, and no scaling is applied twice.
+    ASSERT_EQ(program.inFolder(fmt::format("cp -r v{0}.zarr/0 a{0}.zarr", version)).status, 0);
+    for (const char* array : {"v{}.zarr/0", "a{}.zarr"})
+      EXPECT_EQ(program.json("info " + fmt::format(fmt::runtime(array), version))["value_range"],
+                range);
+  }
+  EXPECT_THAT(program.run("pack synth:cube,dims=9x9x9 -o c.zarr").output,
+              testing::Not(HasSubstr("stored numbers")));
+  EXPECT_FALSE(program.exists("c.zarr/0/.zattrs"));
+  if (runCommand("/usr/bin/python3 -c 'import xarray, zarr'").status != 0) return;
+  const CommandResult read = program.inFolder(
+      "/usr/bin/python3 -c 'import xarray; "
+      "a = xarray.open_zarr(\"v2.zarr\", consolidated=False)[\"0\"]; "
+      "print(a.dims, float(a.max()))'");
+  EXPECT_EQ(read.output, "('z', 'y', 'x') 34.5\n");
+}
+
+// Each channel's index was opened with all of the warnings.
+TEST(PackCommand, aWarningOfSeveralChannelsIsPrintedOnce) {
+  const Program program;
+  std::string voxels;
+  for (int i = 0; i < 3 * 4 * 4 * 4; ++i) {
+    const double value = 1e9 + i * 1e-3;
+    voxels.append(reinterpret_cast<const char*>(&value), sizeof value);
+  }
+  fs::create_directories(program.folder / "v.zarr");
+  writeFile(program.folder / "v.zarr/.zarray",
+            R"({"zarr_format": 2, "shape": [3, 4, 4, 4], "chunks": [3, 4, 4, 4], "dtype": "<f8",
+                "compressor": null, "fill_value": 0, "order": "C", "filters": null})");
+  writeFile(program.folder / "v.zarr/.zattrs", R"({"_ARRAY_DIMENSIONS": ["c", "z", "y", "x"]})");
+  writeFile(program.folder / "v.zarr/0.0.0.0", voxels);
+  const CommandResult packed = program.run("pack v.zarr -o p.zarr");
+  EXPECT_EQ(packed.status, 0);
+  const std::string warning = "its doubles are drawn as floats";
+  const size_t first = packed.output.find(warning);
+  ASSERT_NE(first, std::string::npos) << packed.output;
+  EXPECT_EQ(packed.output.find(warning, first + 1), std::string::npos) << packed.output;
+}
+
 TEST(PackCommand, wrongUsageIsOneLine) {
   const Program program;
   for (const char* line :
@@ -240,6 +298,12 @@ TEST(PackCommand, theIndexOfAReplacedStoreGoesWithoutAWord) {
   EXPECT_EQ(replaced.status, 0);
   EXPECT_THAT(replaced.output, HasSubstr("index built"));
   EXPECT_THAT(replaced.output, testing::Not(HasSubstr("not used")));
+  // The same if the store was removed by hand.
+  fs::remove_all(program.folder / "v.zarr");
+  const CommandResult again = program.run("pack synth:noise,dims=24x20x16,seed=2 -o v.zarr");
+  EXPECT_EQ(again.status, 0);
+  EXPECT_THAT(again.output, HasSubstr("index built"));
+  EXPECT_THAT(again.output, testing::Not(HasSubstr("not used")));
 }
 
 // A billion chunks of which one shard's are there took 8 GB for their numbers.

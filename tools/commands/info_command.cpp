@@ -28,8 +28,14 @@ struct InfoArguments {
   bool json = false;
 };
 
+// Whether pictures leave out a level.
+bool isLeftOut(const IndexedVolume& volume, size_t level) {
+  return !volume.levels_fault.empty() && level >= static_cast<size_t>(volume.pyramid->levels());
+}
+
 // A line for each level: its voxels, and their places among those of level 0.
-void printLevels(const VolumeSource& source) {
+void printLevels(const IndexedVolume& volume) {
+  const VolumeSource& source = *volume.source;
   const VolumeLayout& layout = source.layout();
   const auto triple = [](auto v) { return fmt::format("{:g} x {:g} x {:g}", v.x, v.y, v.z); };
   const auto line = [&](size_t level, Vec3i dims, const LevelPlacement& place,
@@ -44,17 +50,24 @@ void printLevels(const VolumeSource& source) {
   };
   line(0, layout.dims, {}, "");
   size_t level = 0;
-  for (const CoarserLevel& coarser : coarserLevels(source))
-    line(++level, coarser.source->layout().dims, coarser.placement,
-         fmt::format("; {}, {}: {}", wordOf(coarser.values),
+  for (const CoarserLevel& coarser : coarserLevels(source)) {
+    ++level;
+    line(level, coarser.source->layout().dims, coarser.placement,
+         fmt::format("; {}, {}: {}{}", wordOf(coarser.values),
                      coarser.values == LevelValues::kModes ? "share" : "spread",
-                     coarser.spreads == nullptr ? "none" : name(coarser.spreads->layout().type)));
+                     coarser.spreads == nullptr ? "none" : name(coarser.spreads->layout().type),
+                     isLeftOut(volume, level) ? "; left out of pictures" : ""));
+  }
+  if (!volume.levels_fault.empty())
+    say("  level {} is left out, with all above it: {}\n", volume.pyramid->levels(),
+        volume.levels_fault);
   for (const LevelValues values : kLevelKinds)
     if (const auto levels = levelsOfKind(source, values); !levels.empty())
       say("  {} levels of {} beside them\n", levels.size(), wordOf(values));
 }
 
-nlohmann::json levelsJson(const VolumeSource& source) {
+nlohmann::json levelsJson(const IndexedVolume& volume) {
+  const VolumeSource& source = *volume.source;
   const auto triple = [](auto v) { return nlohmann::json::array({v.x, v.y, v.z}); };
   nlohmann::json levels = nlohmann::json::array();
   const auto add = [&](Vec3i dims, const LevelPlacement& place, const char* values,
@@ -69,6 +82,7 @@ nlohmann::json levelsJson(const VolumeSource& source) {
                       {"spacing", triple(source.layout().spacing * place.scale)},
                       {"values", values},
                       {"spreads", has_spreads},
+                      {"left_out", isLeftOut(volume, levels.size()) ? volume.levels_fault : ""},
                       {"also", also}});
   };
   add(source.layout().dims, {}, "voxels", false);
@@ -170,11 +184,11 @@ Command addInfo(CLI::App& program) {
     if (arguments->json) {
       nlohmann::json report = volumeJson(volume);
       report["look"] = lookJson(chosen);
-      report["pyramid"] = levelsJson(*volume.source);
+      report["pyramid"] = levelsJson(volume);
       sayJson(report);
     } else if (!arguments->resources.quiet) {
       print(volume, chosen);
-      if (arguments->levels) printLevels(*volume.source);
+      if (arguments->levels) printLevels(volume);
     }
     return 0;
   };

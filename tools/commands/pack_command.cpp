@@ -92,9 +92,10 @@ std::shared_ptr<const IndexedRanges> indexStore(const PackArguments& arguments, 
   ResourceArguments resources = arguments.resources;
   resources.levels = LevelsWish::kKept;  // the store has the levels that were asked for
   std::shared_ptr<const IndexedRanges> first;
+  std::vector<std::string> said;
   for (size_t c = 0; c < channels; ++c) {
     if (channels > 1) store.open.channel = static_cast<int64_t>(c);
-    IndexedVolume volume = openIndexed(store, resources, kUsualNeeds, pool);
+    IndexedVolume volume = openIndexed(store, resources, kUsualNeeds, pool, said);
     // The first step was indexed when the store was opened.
     for (int64_t t = 1; t < volume.source->layout().time_steps; ++t)
       rangesOfStep(volume, t, passOf(pool, progress, arguments.resources));
@@ -103,11 +104,21 @@ std::shared_ptr<const IndexedRanges> indexStore(const PackArguments& arguments, 
   return first;
 }
 
-// Removes the indices of the store that had this name before, which would only be found stale.
+// Removes the indices of a store that had this name before, replaced or deleted, which would only
+// be found stale.
 void removeOldIndices(const PackArguments& arguments) {
   const IndexPlaces places =
       indexPlaces(arguments.output, indexWish(arguments.resources.index_dir));
   for (const std::filesystem::path& folder : places.folders) removeIndices(folder);
+}
+
+// Says that programs which do not know the scaling of the values show other numbers.
+void noteScale(const VolumeLayout& layout, const std::string& output) {
+  if (layout.value_scale == 1 && layout.value_offset == 0) return;
+  printNotice(fmt::format(
+      "{}: holds the stored numbers; values are these * {:g} + {:g}, as sluice and xarray read "
+      "them (scale_factor, add_offset). Other programs show the stored numbers",
+      output, layout.value_scale, layout.value_offset));
 }
 
 // Says once what is worth knowing of the channels' source, which the store will not tell.
@@ -157,7 +168,10 @@ int pack(const PackArguments& arguments) {
   // This comes before anything is opened: an output that holds an input is found by its name alone.
   outputs.checkNames();
   const auto sources = openEachChannel(arguments.volume);
-  if (!arguments.resources.quiet) printNotes(sources);
+  if (!arguments.resources.quiet) {
+    printNotes(sources);
+    noteScale(sources.front()->layout(), arguments.output);
+  }
   std::vector<VolumeSource*> channels;
   channels.reserve(sources.size());
   for (const auto& source : sources) channels.push_back(source.get());
@@ -184,7 +198,7 @@ int pack(const PackArguments& arguments) {
     // The store is whole, its index may not be.
     sayWhenInterrupted("interrupted; the store is complete, and its first use makes its index");
   }
-  if (options.replace) removeOldIndices(arguments);
+  removeOldIndices(arguments);
   const Stopwatch watch;
   const auto kept = indexStore(arguments, channels.size(), pool);
   const IndexedRanges& index = *kept;

@@ -63,6 +63,12 @@ IndexedVolume openIndexed(const VolumeArguments& arguments, const ResourceArgume
   return indexed(std::move(opened), resources, needs, pool, said);
 }
 
+IndexedVolume openIndexed(const VolumeArguments& arguments, const ResourceArguments& resources,
+                          const IndexNeeds& needs, WorkerPool& pool,
+                          std::vector<std::string>& said) {
+  return indexed(openChannel(arguments), resources, needs, pool, said);
+}
+
 std::vector<IndexedVolume> openIndexedChannels(const VolumeArguments& arguments,
                                                const LookArguments& look,
                                                const ResourceArguments& resources,

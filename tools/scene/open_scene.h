@@ -24,6 +24,11 @@ IndexPass passOf(const Scene& scene, ProgressMeter& progress);
 IndexedVolume openIndexed(const VolumeArguments& volume, const ResourceArguments& resources,
                           const IndexNeeds& needs, WorkerPool& pool,
                           const Outputs& outputs = Outputs());
+// The same of one of several, without outputs. `said`: the notes that were printed; new ones are
+// added.
+IndexedVolume openIndexed(const VolumeArguments& volume, const ResourceArguments& resources,
+                          const IndexNeeds& needs, WorkerPool& pool,
+                          std::vector<std::string>& said);
 
 // Needs of a picture with these options. A cut through levels may be opened with a stand-in
 // (stand_in.h) if `finest` allows it, and with a sample (volume_sample.h) if it allows that.

@@ -53,9 +53,12 @@ struct ZarrImage {
       translation;                    // for the level asked for, one per axis; empty: not given
   std::vector<std::string> channels;  // their names, if the file gives them ("omero")
   std::vector<StoredLook> looks;      // their looks, as many; empty if it gives none
+  // value = stored * value_scale + value_offset: of an image under the key "sluice", of an array by
+  // itself as scale_factor and add_offset.
+  double value_scale = 1, value_offset = 0;
+  std::vector<double> missing;  // stored numbers that are no values
   // Stored under the key "sluice".
   std::optional<std::array<Vec3d, 3>> directions;
-  double value_scale = 1, value_offset = 0;
   bool level_set = false;
   std::string spreads;  // folder of the levels' spreads; empty: there are none
   std::vector<ZarrLevelGroup> level_groups;
@@ -64,8 +67,9 @@ struct ZarrImage {
 };
 
 // `level` is the folder whose scale is wanted; empty: the first. Axes also come from xarray's
-// _ARRAY_DIMENSIONS and the dimension_names of a zarr.json. Throws Error, which starts with `path`:
-// not understood, no such level, a level outside of the folder.
+// _ARRAY_DIMENSIONS and the dimension_names of a zarr.json. The CF conventions' attributes of an
+// array, which xarray writes, are read if there is no image. Throws Error, which starts with
+// `path`: not understood, no such level, a level outside of the folder.
 ZarrImage parseZarrImage(std::string_view text, const std::string& path,
                          const std::string& level = "");
 

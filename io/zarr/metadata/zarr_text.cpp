@@ -32,7 +32,7 @@ ordered_json fillValue(const ZarrArray& array) {
   return array.fill_value;
 }
 
-ordered_json axis(const char* name, const char* type, const std::string& unit) {
+ordered_json axis(const std::string& name, const char* type, const std::string& unit) {
   ordered_json result{{"name", name}, {"type", type}};
   if (!unit.empty()) result["unit"] = unit;
   return result;
@@ -112,8 +112,18 @@ ordered_json bytesCodec(std::endian order) {
   return codec("bytes", {{"endian", order == std::endian::big ? "big" : "little"}});
 }
 
+// The scaling of the values as the CF conventions have it.
+ordered_json scaleAttributes(const ZarrArrayLabels& labels) {
+  ordered_json attributes = ordered_json::object();
+  if (labels.value_scale == 1 && labels.value_offset == 0) return attributes;
+  attributes["scale_factor"] = labels.value_scale;
+  attributes["add_offset"] = labels.value_offset;
+  return attributes;
+}
+
 // The zarr.json of an array of shards.
-std::string shardedArrayText(const ZarrArray& array, const BloscOptions& options) {
+std::string shardedArrayText(const ZarrArray& array, const BloscOptions& options,
+                             const ZarrArrayLabels& labels) {
   constexpr std::array<const char*, 3> kShuffles = {"noshuffle", "shuffle", "bitshuffle"};
   const size_t voxel_bytes = bytesPerVoxel(array.type);
   ordered_json inside = ordered_json::array();
@@ -140,7 +150,9 @@ std::string shardedArrayText(const ZarrArray& array, const BloscOptions& options
   text["chunk_key_encoding"] = codec("default", {{"separator", std::string(1, array.separator)}});
   text["fill_value"] = fillValue(array);
   text["codecs"] = codecs;
-  text["attributes"] = ordered_json::object();
+  // OME-Zarr 0.5 requires the names of the image's axes here, too.
+  if (!labels.axes.empty()) text["dimension_names"] = labels.axes;
+  text["attributes"] = scaleAttributes(labels);
   return text.dump(2) + "\n";
 }
 
@@ -152,35 +164,54 @@ std::string zarrGroupText(ZarrFormat format) {
   return text.dump(2) + "\n";
 }
 
-std::string zarrArrayText(const ZarrArray& array, const BloscOptions& options) {
-  if (array.shards) return shardedArrayText(array, options);
+ZarrArrayTexts zarrArrayTexts(const ZarrArray& array, const BloscOptions& options,
+                              const ZarrArrayLabels& labels) {
+  if (array.shards) return {shardedArrayText(array, options, labels), ""};
   const ordered_json compressor{{"id", "blosc"},
                                 {"cname", options.codec == BloscCodec::kLz4 ? "lz4" : "zstd"},
                                 {"clevel", options.level},
                                 {"shuffle", bloscShuffle(bytesPerVoxel(array.type), options)},
                                 {"blocksize", kBloscBlockBytes}};
-  return ordered_json{{"zarr_format", 2},
-                      {"shape", array.shape},
-                      {"chunks", array.chunks},
-                      {"dtype", dtype(array)},
-                      {"compressor", compressor},
-                      {"fill_value", fillValue(array)},
-                      {"order", "C"},
-                      {"filters", nullptr},
-                      {"dimension_separator", std::string(1, array.separator)}}
-             .dump(2) +
-         "\n";
+  const ordered_json header{{"zarr_format", 2},
+                            {"shape", array.shape},
+                            {"chunks", array.chunks},
+                            {"dtype", dtype(array)},
+                            {"compressor", compressor},
+                            {"fill_value", fillValue(array)},
+                            {"order", "C"},
+                            {"filters", nullptr},
+                            {"dimension_separator", std::string(1, array.separator)}};
+  ZarrArrayTexts texts{header.dump(2) + "\n", ""};
+  ordered_json attributes = scaleAttributes(labels);
+  if (!attributes.empty()) {
+    attributes["_ARRAY_DIMENSIONS"] = labels.axes;
+    texts.attributes = attributes.dump(2) + "\n";
+  }
+  return texts;
+}
+
+std::vector<std::string> zarrAxisNames(const VolumeLayout& layout, size_t channels) {
+  std::vector<std::string> names;
+  if (layout.time_steps > 1) names.emplace_back("t");
+  if (channels > 1) names.emplace_back("c");
+  names.insert(names.end(), {"z", "y", "x"});
+  return names;
 }
 
 std::string zarrImageText(const VolumeLayout& layout, const std::string& name,
                           const ZarrChannelsText& channels, const ZarrLevelsText& levels,
                           ZarrFormat format) {
   ordered_json axes = ordered_json::array();
-  if (layout.time_steps > 1) axes.push_back(axis("t", "time", ""));
-  if (channels.names.size() > 1) axes.push_back(axis("c", "channel", ""));
-  const size_t others = axes.size();  // axes that are not of space
-  constexpr const char* kNames[] = {"x", "y", "z"};
-  for (int a = 2; a >= 0; --a) axes.push_back(axis(kNames[a], "space", layout.unit));
+  size_t others = 0;  // axes that are not of space
+  for (const std::string& name : zarrAxisNames(layout, channels.names.size())) {
+    const bool is_time = name == "t", is_space = !is_time && name != "c";
+    axes.push_back(axis(name,
+                        is_time    ? "time"
+                        : is_space ? "space"
+                                   : "channel",
+                        is_space ? layout.unit : ""));
+    others += is_space ? 0 : 1;
+  }
   ordered_json datasets = ordered_json::array();
   const auto addLevel = [&](const LevelPlacement& place) {
     ordered_json scale = ordered_json::array(), translation = ordered_json::array();

@@ -18,8 +18,23 @@ enum class ZarrFormat { k2, k3 };
 
 // .zgroup, or the zarr.json of a group without attributes.
 std::string zarrGroupText(ZarrFormat format = ZarrFormat::k2);
-// .zarray of a Blosc array in C order, or its zarr.json if it has shards.
-std::string zarrArrayText(const ZarrArray& array, const BloscOptions& options);
+// Attributes of an array for programs that open it by itself.
+struct ZarrArrayLabels {
+  std::vector<std::string> axes;  // names; empty: none
+  // value = stored * value_scale + value_offset.
+  double value_scale = 1, value_offset = 0;
+};
+// Metadata of an array: its .zarray and .zattrs, or its zarr.json alone.
+struct ZarrArrayTexts {
+  std::string header, attributes;  // attributes: empty if there is no .zattrs
+};
+// The texts of a Blosc array in C order; of Zarr 3 if it has shards. The scaling is written as the
+// CF conventions have it (scale_factor, add_offset), which xarray applies. Zarr 2 has names of axes
+// beside a scaling only, because xarray needs them.
+ZarrArrayTexts zarrArrayTexts(const ZarrArray& array, const BloscOptions& options,
+                              const ZarrArrayLabels& labels = {});
+// The names of the axes of an image's arrays, in their order.
+std::vector<std::string> zarrAxisNames(const VolumeLayout& layout, size_t channels);
 // The coarser levels of an image: the places of their voxels among the finest one's, and how they
 // were made.
 struct ZarrLevelsText {
@@ -39,8 +54,8 @@ struct ZarrChannelsText {
 // "0", "1" and so on: axes t c z y x, without t for one time step and without c for one channel;
 // the layout's spacing and origin as scale and translation of level 0, from which the other levels'
 // follow. Directions that are not the coordinate axes and a scaling of the values go under the key
-// "sluice". `channels`: their names and looks; of several they go under "omero". Without looks the
-// first is the active one, which pictures show.
+// "sluice"; zarrArrayTexts() repeats the scaling for others. `channels`: their names and looks; of
+// several they go under "omero". Without looks the first is the active one, which pictures show.
 std::string zarrImageText(const VolumeLayout& layout, const std::string& name,
                           const ZarrChannelsText& channels, const ZarrLevelsText& levels,
                           ZarrFormat format = ZarrFormat::k2);

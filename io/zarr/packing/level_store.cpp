@@ -101,8 +101,8 @@ LevelStoreWriter::LevelStoreWriter(VolumeSource& source, int64_t time, const fs:
   requireFreeName(output, true);
   std::string parameters = image_text_;
   for (const PackedArray& packed : arrays_) {
-    array_texts_.push_back(zarrArrayText(packed.array, kBlosc));
-    parameters += array_texts_.back();
+    array_texts_.push_back(zarrArrayTexts(packed.array, kBlosc));
+    parameters += array_texts_.back().header;
   }
   folder_ = std::make_unique<ZarrPackFolder>(
       output, arrays_, fmt::format("{}, time step {}", source.identity(), time), parameters,

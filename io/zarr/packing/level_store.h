@@ -65,7 +65,7 @@ class LevelStoreWriter final : public VoxelTaker {
   const StopToken stop_;
   const std::vector<PackedArray> arrays_;
   std::string image_text_;
-  std::vector<std::string> array_texts_;
+  std::vector<ZarrArrayTexts> array_texts_;
   std::unique_ptr<ZarrPackFolder> folder_;
   ChunkPacker chunks_;
   LevelPacker levels_;

@@ -224,13 +224,13 @@ void ZarrPackFolder::store(int64_t chunk, std::span<const std::byte> stored, int
 }
 
 fs::path ZarrPackFolder::complete(const std::string& group_text, const std::string& image_text,
-                                  const std::vector<std::string>& array_texts) {
+                                  const std::vector<ZarrArrayTexts>& array_texts) {
   resumably([&] { describe(group_text, image_text, array_texts); });
   return store_;
 }
 
 void ZarrPackFolder::describe(const std::string& group_text, const std::string& image_text,
-                              const std::vector<std::string>& array_texts) {
+                              const std::vector<ZarrArrayTexts>& array_texts) {
   const auto write = [](const fs::path& path, const std::string& text) {
     AtomicFile file(path);
     file.write(text);
@@ -245,13 +245,15 @@ void ZarrPackFolder::describe(const std::string& group_text, const std::string& 
     if (name.has_parent_path()) write(store_ / name.parent_path() / group_name, group_text);
     if (hasShards()) {
       writeIndices(i);
-      write(folder / "zarr.json", array_texts[i]);
+      write(folder / "zarr.json", array_texts[i].header);
       continue;
     }
-    write(folder / ".zarray", array_texts[i]);
+    write(folder / ".zarray", array_texts[i].header);
+    if (!array_texts[i].attributes.empty()) write(folder / ".zattrs", array_texts[i].attributes);
     const auto first = static_cast<size_t>(first_chunks_[i]);
     const auto end = static_cast<size_t>(first_chunks_[i + 1]);
-    writeZarrChecksums(folder, array_texts[i], std::span(chunks_).subspan(first, end - first));
+    writeZarrChecksums(folder, array_texts[i].header,
+                       std::span(chunks_).subspan(first, end - first));
   }
 }
 

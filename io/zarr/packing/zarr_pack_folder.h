@@ -24,6 +24,7 @@
 #include <vector>
 
 #include "io/zarr/metadata/zarr_array.h"
+#include "io/zarr/metadata/zarr_text.h"
 #include "io/zarr/packing/pack_journal.h"
 #include "io/zarr/reading/zarr_checksums.h"
 #include "src/base/files/descriptor.h"
@@ -75,7 +76,7 @@ class ZarrPackFolder {
   // With the metadata in place the store can be opened, to be verified. Requires: all chunks done.
   // `array_texts`: of each array.
   std::filesystem::path complete(const std::string& group_text, const std::string& image_text,
-                                 const std::vector<std::string>& array_texts);
+                                 const std::vector<ZarrArrayTexts>& array_texts);
   // Brings all to the disk and the store to its name; the folder goes. Throws Error.
   void finish(const FinishOptions& options);
 
@@ -115,7 +116,7 @@ class ZarrPackFolder {
   void writeIndices(size_t array);
   // Writes all metadata.
   void describe(const std::string& group_text, const std::string& image_text,
-                const std::vector<std::string>& array_texts);
+                const std::vector<ZarrArrayTexts>& array_texts);
   void putInPlace(const FinishOptions& options);
 
   const std::filesystem::path output_, folder_, store_;

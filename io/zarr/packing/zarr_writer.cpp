@@ -6,15 +6,14 @@
 #include <memory>
 #include <utility>
 
-#include "io/zarr/metadata/zarr_text.h"
 #include "io/zarr/packing/chunk_packer.h"
 #include "io/zarr/packing/free_name.h"
 #include "io/zarr/packing/level_packer.h"
+#include "io/zarr/packing/store_texts.h"
 #include "io/zarr/packing/zarr_pack_folder.h"
 #include "io/zarr/reading/zarr_source.h"
 #include "src/base/error.h"
 #include "src/base/memory/aligned_array.h"
-#include "src/base/sources/volume_channels.h"
 #include "src/base/threads/clock.h"
 #include "src/base/values/bytes.h"
 
@@ -68,18 +67,6 @@ std::vector<LevelShape> levelsFor(const VolumeLayout& layout, const PackOptions&
   return levels;
 }
 
-// The name of each channel, empty if the file does not tell, and its look.
-ZarrChannelsText textOf(ChannelSources channels) {
-  ZarrChannelsText text;
-  text.names.resize(channels.size());
-  if (channels.size() < 2) return text;
-  const std::span<const std::string> said = channelNames(*channels.front());
-  for (size_t c = 0; c < std::min(text.names.size(), said.size()); ++c) text.names[c] = said[c];
-  const std::span<const StoredLook> looks = channelLooks(*channels.front());
-  text.looks.assign(looks.begin(), looks.end());
-  return text;
-}
-
 // The arrays of the store: level 0, and for each way to make coarser levels these, with their
 // spreads if they have some.
 struct StoreArrays {
@@ -98,16 +85,6 @@ StoreArrays arraysFor(const ZarrArray& finest, const std::vector<LevelShape>& le
       store.arrays.push_back(std::move(array));
   }
   return store;
-}
-
-// The text of an image for levels made in these ways.
-ZarrLevelsText textOf(const std::vector<LevelShape>& levels, const std::vector<Downsample>& ways) {
-  const Downsample how = ways.front();
-  ZarrLevelsText text{{}, valuesOf(how), !levels.empty() && keepsSpreads(how)};
-  for (const LevelShape& level : levels) text.placements.push_back(placementOf(level));
-  if (!levels.empty())
-    for (size_t i = 1; i < ways.size(); ++i) text.groups.push_back(valuesOf(ways[i]));
-  return text;
 }
 
 // One volume of a store: a time step of a channel.
@@ -349,29 +326,18 @@ PackReport packZarr(ChannelSources channels, const std::filesystem::path& output
                     const PackOptions& options, WorkerPool& pool, ProgressMeter& progress) {
   requireFreeName(output, options.replace);
   const uint64_t voxel_bytes = packedBytes(channels);
-  VolumeLayout layout = channels.front()->layout();
-  if (!options.unit.empty()) layout.unit = options.unit;
-  const std::vector<LevelShape> levels = levelsFor(layout, options);
+  const std::vector<LevelShape> levels = levelsFor(channels.front()->layout(), options);
   const StoreArrays made = arraysFor(arrayFor(channels, options), levels, options.downsample);
   const std::vector<PackedArray>& arrays = made.arrays;
-  std::vector<std::string> array_texts;
-  std::string parameters;
-  for (const PackedArray& packed : arrays) {
-    array_texts.push_back(zarrArrayText(packed.array, options.blosc));
-    parameters += array_texts.back();
-  }
-  const ZarrFormat format = options.shard_voxels ? ZarrFormat::k3 : ZarrFormat::k2;
-  const std::string image_text = zarrImageText(layout, layout.name, textOf(channels),
-                                               textOf(levels, options.downsample), format);
+  const StoreTexts texts = storeTexts(channels, options, arrays, levels);
   Packer packer(channels, options, made, levels, pool, progress);
 
   const Stopwatch watch;
-  ZarrPackFolder folder(output, arrays, channels.front()->identity(), parameters + image_text);
+  ZarrPackFolder folder(output, arrays, channels.front()->identity(), texts.parameters());
   PackReport report;
   report.kept_chunks = folder.recover(pool, progress, options.stop);
   packer.pack(folder);
-  const std::filesystem::path store =
-      folder.complete(zarrGroupText(format), image_text, array_texts);
+  const std::filesystem::path store = folder.complete(texts.group, texts.image, texts.arrays);
   report.pack_seconds = watch.seconds();
   // Before the store has its name, so that a store of that name was compared.
   if (options.verify) packer.verify(store);

@@ -123,6 +123,7 @@ void addLevels(IndexedVolume& volume, std::span<const CoarserLevel> levels) {
         is_alike ? pyramid.add(level.source->layout().dims, level.placement, has_spreads ? 2 : 1)
                  : std::string("its voxels are of another type or scale of values");
     if (!obstacle.empty()) {
+      volume.levels_fault = obstacle;
       volume.notes.push_back(fmt::format("{}: levels from {} on are left out: {}", volume.name,
                                          pyramid.levels(), obstacle));
       break;

@@ -54,6 +54,7 @@ struct IndexedVolume {
   // none or none was asked for. A level that shows as the finest one does has no index: null.
   std::shared_ptr<const PyramidLayout> pyramid;
   std::vector<std::shared_ptr<const IndexedRanges>> coarser;
+  std::string levels_fault;  // why further levels of the source are left out; empty: none are
   // For people, one line each: choices among several, and possible faults.
   std::vector<std::string> notes;
 

@@ -309,7 +309,8 @@ TEST(ZarrImage, eachFieldIsCheckedByName) {
         {R"({"sluice": {"axes": [[1, 0], [0, 1, 0], [0, 0, 1]]}})", "3 numbers"},
         {R"({"sluice": {"levels": 3}})", "an object"},
         {R"({"sluice": {"levels": {"max": "../1"}}})", "inside this one"},
-        {R"({"sluice": {"value_scale": 0}})", "values are stored"}}) {
+        {R"({"sluice": {"value_scale": 0}})", "values are stored"},
+        {R"({"scale_factor": 0})", "values are stored"}}) {
     EXPECT_THAT(errorOf([&] { layoutOf(wrong.text); }),
                 AllOf(testing::StartsWith(".zattrs: "), HasSubstr(wrong.said)))
         << wrong.text;
