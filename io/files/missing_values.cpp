@@ -1,26 +1,64 @@
 #include "io/files/missing_values.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
-#include <vector>
+#include <cstring>
+#include <limits>
+#include <type_traits>
 
 namespace sluice {
+namespace {
 
-std::string missingValuesNote(const std::string& name, std::span<const double> stored, double scale,
-                              double offset) {
-  std::vector<double> values;
-  for (const double number : stored) {
-    const double value = number * scale + offset;
+bool isFloat(VoxelType type) {
+  return type == VoxelType::kF32 || type == VoxelType::kF64;
+}
+
+}  // namespace
+
+std::vector<double> blankedNumbers(VoxelType type, std::span<const double> missing) {
+  std::vector<double> numbers;
+  if (!isFloat(type)) return numbers;
+  for (const double number : missing)
+    if (!std::isnan(number)) numbers.push_back(number);
+  return numbers;
+}
+
+void blank(VoxelType type, std::span<const double> numbers, std::span<std::byte> voxels) {
+  if (numbers.empty()) return;
+  visitVoxelType(type, [&](auto tag) {
+    using T = decltype(tag);
+    if constexpr (std::is_floating_point_v<T>) {
+      std::vector<T> wanted;
+      for (const double number : numbers)
+        // Beyond the type's range it would be an infinity, which is a value.
+        if (std::isinf(number) || std::abs(number) <= double{std::numeric_limits<T>::max()})
+          wanted.push_back(static_cast<T>(number));
+      constexpr T kNan = std::numeric_limits<T>::quiet_NaN();
+      for (size_t at = 0; at + sizeof(T) <= voxels.size(); at += sizeof(T)) {
+        T value;
+        std::memcpy(&value, voxels.data() + at, sizeof value);
+        if (std::ranges::find(wanted, value) != wanted.end())
+          std::memcpy(voxels.data() + at, &kNan, sizeof kNan);
+      }
+    }
+  });
+}
+
+std::string missingValuesNote(const std::string& name, std::span<const double> missing,
+                              const VolumeLayout& layout) {
+  if (isFloat(layout.type)) return "";
+  std::vector<std::string> values;
+  for (const double number : missing) {
+    const std::string value =
+        fmt::format("{:g}", number * layout.value_scale + layout.value_offset);
     // Files often give _FillValue and missing_value for the same number.
-    if (!std::isnan(value) && std::ranges::find(values, value) == values.end())
-      values.push_back(value);
+    if (std::ranges::find(values, value) == values.end()) values.push_back(value);
   }
   if (values.empty()) return "";
   return fmt::format(
-      "{}: voxels of the value {:g} are missing ones by its attributes (_FillValue, "
+      "{}: voxels of the value {} are missing ones by its attributes (_FillValue, "
       "missing_value); sluice draws them as values",
       name, fmt::join(values, " or "));
 }

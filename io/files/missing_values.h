@@ -1,14 +1,24 @@
-// Numbers that a file has where there is no value, such as _FillValue of NetCDF.
+// Numbers that a file has where there is no value, such as _FillValue of NetCDF. Floats of such a
+// number are read as NaN, which shows nothing. Integers have no NaN and stay as they are.
 #pragma once
 
+#include <cstddef>
 #include <span>
 #include <string>
+#include <vector>
+
+#include "src/base/sources/volume_source.h"
 
 namespace sluice {
 
-// A line for people: voxels of these stored numbers are drawn as values. Empty if all are NaN,
-// which shows nothing, or none is given. value = stored * scale + offset. `name`: the volume's.
-std::string missingValuesNote(const std::string& name, std::span<const double> stored, double scale,
-                              double offset);
+// The numbers that are to be read as NaN, of a type: none for integers.
+std::vector<double> blankedNumbers(VoxelType type, std::span<const double> missing);
+// Makes NaN of the voxels of these numbers. Requires: blankedNumbers() of the type.
+void blank(VoxelType type, std::span<const double> numbers, std::span<std::byte> voxels);
+
+// A line for people if integers of these stored numbers are drawn as values; empty if there is
+// nothing to tell. `layout`: the type and the scaling of the values. `name`: the volume's.
+std::string missingValuesNote(const std::string& name, std::span<const double> missing,
+                              const VolumeLayout& layout);
 
 }  // namespace sluice

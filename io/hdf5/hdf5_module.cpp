@@ -3,9 +3,9 @@
 #include <hdf5.h>
 
 #include <algorithm>
-#include <limits>
 #include <utility>
 
+#include "io/hdf5/hdf5_objects.h"
 #include "src/base/error.h"
 #include "src/base/threads/mutex.h"
 
@@ -13,7 +13,6 @@ namespace sluice {
 namespace {
 
 constexpr int kMostAxes = 5;
-constexpr size_t kMostAttributes = 1000, kMostTextBytes = 1 << 20, kMostNumbers = 1 << 16;
 
 // The library has state of its own and lets in one thread at a time.
 Mutex& libraryMutex() {
@@ -36,138 +35,6 @@ class SLUICE_SCOPED_CAPABILITY LibraryLock {
   MutexLock lock_;
 };
 
-// An identifier of the library, closed at the end.
-class Handle {
- public:
-  using Close = herr_t (*)(hid_t);
-  Handle(hid_t id, Close close) : id_(id), close_(close) {}
-  ~Handle() {
-    if (id_ >= 0) close_(id_);
-  }
-  Handle(Handle&& other) noexcept : id_(std::exchange(other.id_, -1)), close_(other.close_) {}
-  Handle(const Handle&) = delete;
-  Handle& operator=(const Handle&) = delete;
-  Handle& operator=(Handle&&) = delete;
-  hid_t get() const { return id_; }
-  explicit operator bool() const { return id_ >= 0; }
-
- private:
-  hid_t id_;
-  Close close_;
-};
-
-// The innermost reason that the library has for its last failure.
-std::string reason() {
-  std::string found;
-  H5Ewalk2(
-      H5E_DEFAULT, H5E_WALK_UPWARD,
-      [](unsigned n, const H5E_error2_t* error, void* text) -> herr_t {
-        if (n == 0 && error->desc != nullptr) *static_cast<std::string*>(text) = error->desc;
-        return 0;
-      },
-      &found);
-  for (char& c : found)
-    if (c < ' ' || c > '~') c = '?';
-  return found.empty() ? "no reason given" : found.substr(0, 200);
-}
-
-std::optional<VoxelType> voxelTypeOf(hid_t type) {
-  const size_t bytes = H5Tget_size(type);
-  switch (H5Tget_class(type)) {
-    case H5T_ENUM: {  // h5py's bool
-      const Handle base(H5Tget_super(type), H5Tclose);
-      return base ? voxelTypeOf(base.get()) : std::nullopt;
-    }
-    case H5T_INTEGER: {
-      if (H5Tget_precision(type) != 8 * bytes) return std::nullopt;
-      const bool is_signed = H5Tget_sign(type) == H5T_SGN_2;
-      if (bytes == 1) return is_signed ? VoxelType::kI8 : VoxelType::kU8;
-      if (bytes == 2) return is_signed ? VoxelType::kI16 : VoxelType::kU16;
-      if (bytes == 4) return is_signed ? VoxelType::kI32 : VoxelType::kU32;
-      return std::nullopt;
-    }
-    case H5T_FLOAT:
-      if (bytes == 4 && H5Tget_precision(type) == 32) return VoxelType::kF32;
-      if (bytes == 8 && H5Tget_precision(type) == 64) return VoxelType::kF64;
-      return std::nullopt;
-    default:
-      return std::nullopt;
-  }
-}
-
-std::endian orderOf(hid_t type) {
-  if (H5Tget_class(type) == H5T_ENUM) {
-    const Handle base(H5Tget_super(type), H5Tclose);
-    return orderOf(base.get());
-  }
-  return H5Tget_order(type) == H5T_ORDER_BE ? std::endian::big : std::endian::little;
-}
-
-std::vector<int64_t> extentsOf(std::span<const hsize_t> dims) {
-  std::vector<int64_t> extents;
-  for (const hsize_t dim : dims)
-    extents.push_back(static_cast<int64_t>(
-        std::min<hsize_t>(dim, static_cast<hsize_t>(std::numeric_limits<int64_t>::max()))));
-  return extents;
-}
-
-// Numbers or texts of an attribute; nullopt: another kind.
-std::optional<Hdf5Attribute> readAttribute(hid_t object, const char* name) {
-  const Handle attribute(H5Aopen(object, name, H5P_DEFAULT), H5Aclose);
-  if (!attribute) return std::nullopt;
-  const Handle type(H5Aget_type(attribute.get()), H5Tclose);
-  const Handle space(H5Aget_space(attribute.get()), H5Sclose);
-  if (!type || !space) return std::nullopt;
-  const hssize_t count = H5Sget_simple_extent_npoints(space.get());
-  if (count < 1 || count > static_cast<hssize_t>(kMostNumbers)) return std::nullopt;
-  Hdf5Attribute found{.name = name, .numbers = {}, .texts = {}};
-  const H5T_class_t kind = H5Tget_class(type.get());
-  if (kind == H5T_INTEGER || kind == H5T_FLOAT) {
-    found.numbers.resize(static_cast<size_t>(count));
-    if (H5Aread(attribute.get(), H5T_NATIVE_DOUBLE, found.numbers.data()) < 0) return std::nullopt;
-    return found;
-  }
-  if (kind != H5T_STRING) return std::nullopt;
-  const Handle memory(H5Tcopy(H5T_C_S1), H5Tclose);
-  H5Tset_cset(memory.get(), H5Tget_cset(type.get()));
-  if (H5Tis_variable_str(type.get()) > 0) {
-    H5Tset_size(memory.get(), H5T_VARIABLE);
-    std::vector<char*> texts(static_cast<size_t>(count), nullptr);
-    if (H5Aread(attribute.get(), memory.get(), texts.data()) < 0) return std::nullopt;
-    for (const char* text : texts)
-      found.texts.emplace_back(text == nullptr ? std::string() : std::string(text));
-    H5Dvlen_reclaim(memory.get(), space.get(), H5P_DEFAULT, texts.data());
-    return found;
-  }
-  const size_t bytes = H5Tget_size(type.get());
-  if (bytes == 0 || bytes > kMostTextBytes / static_cast<size_t>(count)) return std::nullopt;
-  // A byte more, since texts of a fixed size need not end with a zero.
-  H5Tset_size(memory.get(), bytes + 1);
-  std::vector<char> all((bytes + 1) * static_cast<size_t>(count), '\0');
-  if (H5Aread(attribute.get(), memory.get(), all.data()) < 0) return std::nullopt;
-  for (size_t i = 0; i < static_cast<size_t>(count); ++i)
-    found.texts.emplace_back(all.data() + i * (bytes + 1));
-  return found;
-}
-
-std::vector<Hdf5Attribute> readAttributes(hid_t object) {
-  std::vector<std::string> names;
-  hsize_t at = 0;
-  H5Aiterate2(
-      object, H5_INDEX_NAME, H5_ITER_NATIVE, &at,
-      [](hid_t, const char* name, const H5A_info_t*, void* list) -> herr_t {
-        auto& all = *static_cast<std::vector<std::string>*>(list);
-        all.emplace_back(name);
-        return all.size() < kMostAttributes ? 0 : 1;
-      },
-      &names);
-  std::vector<Hdf5Attribute> found;
-  for (const std::string& name : names)
-    if (auto attribute = readAttribute(object, name.c_str()))
-      found.push_back(*std::move(attribute));
-  return found;
-}
-
 class Set final : public Hdf5Set {
  public:
   // Called with the library's mutex held, as all of the private members are.
@@ -179,6 +46,7 @@ class Set final : public Hdf5Set {
     describeVoxels();
     describeStorage();
     description_.attributes = readAttributes(set_.get());
+    description_.scales = readScales(set_.get(), description_.shape);
   }
   ~Set() override {
     // Closed with the mutex held.
@@ -237,8 +105,8 @@ class Set final : public Hdf5Set {
     const Handle type(H5Dget_type(set_.get()), H5Tclose);
     const auto voxel = type ? voxelTypeOf(type.get()) : std::nullopt;
     if (!voxel)
-      fail("{}: expected integers of 8 to 32 bits or floats of 32 or 64, found another type",
-           name_);
+      fail("{}: expected integers of 8 to 32 bits or floats of 32 or 64, found {}", name_,
+           type ? wordsOf(type.get()) : reason());
     description_.type = *voxel;
     description_.byte_order = orderOf(type.get());
   }

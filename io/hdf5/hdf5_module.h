@@ -33,15 +33,23 @@ struct Hdf5Attribute {
   std::vector<std::string> texts;  // each of bounded length
 };
 
+// A dimension scale of HDF5: the positions of the voxels along an axis.
+struct Hdf5Scale {
+  std::string path;            // of its data set; empty: the axis has none
+  std::vector<double> values;  // one for each voxel; empty: it gives no positions
+  std::vector<Hdf5Attribute> attributes;
+};
+
 struct Hdf5Description {
   std::vector<int64_t> shape;
   std::vector<int64_t> chunks;  // empty: it is not in chunks
   VoxelType type = VoxelType::kU8;
   std::endian byte_order = std::endian::little;
   double fill_value = 0;
-  std::vector<Hdf5Filter> filters;        // in the order of writing
-  std::optional<uint64_t> in_place_at;    // offset in the file of voxels in one piece
-  std::vector<Hdf5Attribute> attributes;  // those of known names
+  std::vector<Hdf5Filter> filters;      // in the order of writing
+  std::optional<uint64_t> in_place_at;  // offset in the file of voxels in one piece
+  std::vector<Hdf5Attribute> attributes;
+  std::vector<Hdf5Scale> scales;  // of each axis; empty: none has one
 };
 
 // All members throw Error, which starts with the file's name. Any thread.
@@ -82,6 +90,6 @@ inline constexpr const char* kOpenHdf5 = "sluiceOpenHdf5";
 
 // The module exports this before anything is called: the version of sluice and of this interface.
 inline constexpr const char* kOpenHdf5Version = "sluiceOpenHdf5Version";
-inline constexpr const char* kHdf5ModuleVersion = SLUICE_VERSION " hdf5 module 1";
+inline constexpr const char* kHdf5ModuleVersion = SLUICE_VERSION " hdf5 module 2";
 
 }  // namespace sluice

@@ -2,10 +2,11 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <utility>
 #include <vector>
 
+#include "io/files/missing_values.h"
+#include "io/hdf5/hdf5_axes.h"
 #include "io/hdf5/hdf5_images.h"
 #include "io/hdf5/hdf5_input.h"
 #include "io/headers/raw/raw_source.h"
@@ -18,53 +19,17 @@ namespace {
 
 constexpr size_t kSpace = 3, kMostListed = 12;
 
-// Names of the axes; empty: none.
-std::vector<ZarrAxis> axesOf(const Hdf5Description& description, const std::string& name) {
-  std::vector<ZarrAxis> axes;
-  if (const Hdf5Attribute* tags = find(description.attributes, "axistags");
-      tags && tags->texts.size() == 1) {
-    const nlohmann::json document = parseJson(tags->texts[0], name + ": axistags");
-    const JsonField list = JsonField(document, name + ": axistags").require("axes");
-    if (list.size() != description.shape.size())
-      list.failExpected(fmt::format("{} axes", description.shape.size()));
-    for (size_t i = 0; i < list.size(); ++i)
-      axes.push_back({list[i].require("key").text(), "", ""});
-  } else if (const Hdf5Attribute* labels = find(description.attributes, "DIMENSION_LABELS");
-             labels && labels->texts.size() == description.shape.size()) {
-    for (const std::string& label : labels->texts) axes.push_back({label, "", ""});
-    if (std::any_of(axes.begin(), axes.end(),
-                    [](const ZarrAxis& axis) { return axis.name.empty(); }))
-      axes.clear();
+VoxelType unsignedOf(VoxelType type) {
+  switch (type) {
+    case VoxelType::kI8:
+      return VoxelType::kU8;
+    case VoxelType::kI16:
+      return VoxelType::kU16;
+    case VoxelType::kI32:
+      return VoxelType::kU32;
+    default:
+      return type;
   }
-  return axes;
-}
-
-ZarrImage imageOf(const Hdf5Description& description, size_t axes, const std::string& name) {
-  ZarrImage image;
-  image.axes = axesOf(description, name);
-  if (description.shape.size() != axes) image.axes.clear();
-  const Hdf5Attribute* const size = find(description.attributes, "element_size_um");
-  if (size != nullptr && size->numbers.size() == kSpace) {
-    image.scale.assign(axes, 1);
-    image.translation.assign(axes, 0);
-    constexpr std::string_view kNames[] = {"z", "y", "x"};
-    for (size_t a = 0; a < kSpace; ++a) {
-      size_t at = axes - kSpace + a;
-      for (size_t i = 0; i < image.axes.size(); ++i)
-        if (image.axes[i].name == kNames[a]) at = i;
-      image.scale[at] = size->numbers[a];
-      if (!image.axes.empty()) image.axes[at].unit = "micrometer";
-    }
-    image.frame = WorldFrame::kPictureRows;
-  }
-  // NetCDF's packed values.
-  const auto number = [&](const char* key, double otherwise) {
-    const Hdf5Attribute* const found = find(description.attributes, key);
-    return found != nullptr && found->numbers.size() == 1 ? found->numbers[0] : otherwise;
-  };
-  image.value_scale = number("scale_factor", 1);
-  image.value_offset = number("add_offset", 0);
-  return image;
 }
 
 // Voxels in one piece with x fastest, read where they lie; null: they are not.
@@ -116,9 +81,12 @@ std::string onlySet(Hdf5File& file, const std::string& path) {
   for (const Hdf5Entry& set : sets)
     if (set.shape.size() >= kSpace) volumes.push_back(set);
   if (volumes.size() == 1) return volumes[0].path;
+  if (sets.empty()) fail("{}: expected a data set of three axes or more, found none", path);
   if (volumes.empty())
-    fail("{}: expected a data set of three axes or more, found {}", path,
-         sets.empty() ? "none of two" : "but " + listed(sets));
+    fail(
+        "{}: expected a data set of three axes or more, found {}; name one of two axes to open it "
+        "as a volume of one slice, as {}:{}",
+        path, listed(sets), path, sets[0].path);
   fail("{}: expected the path of one of its data sets after the name, as {}:{}; found {}: {}", path,
        path, volumes[0].path, volumes.size() == kMostSets ? "many" : std::to_string(volumes.size()),
        listed(volumes));
@@ -135,22 +103,29 @@ std::unique_ptr<VolumeSource> openHdf5(const std::string& path, const std::strin
   const std::string name = path + ":" + set_path;
   std::unique_ptr<Hdf5Set> opened = input.inside->open(set_path);
   const Hdf5Description& description = opened->description();
-  const ZarrArray array = hdf5ArrayOf(description, name);
+  ZarrArray array = hdf5ArrayOf(description, name);
+  const Hdf5Image found = hdf5ImageOf(description, array.axes(), options.channel.given(), name);
+  if (found.is_unsigned) array.type = unsignedOf(array.type);
   ChunkedVolume volume;
   volume.name = volume.said_by = name;
   volume.title = std::filesystem::path(set_path).filename().string();
-  volume.image = imageOf(description, array.axes(), name);
+  volume.image = found.image;
+  volume.notes = found.notes;
   volume.identities = {"hdf5 " + set_path};
   volume.places = {path};
 
   ZarrView view = viewZarr(array, volume.image, options.channel.given(), name);
   // Contiguous voxels are read where they lie, without chunks in memory and by any number of
   // threads.
-  if (view.channel || !options.channel.given()) {
+  const bool is_as_stored = blankedNumbers(array.type, volume.image.missing).empty();
+  if (is_as_stored && (view.channel || !options.channel.given())) {
     VolumeLayout layout = view.layout;
     layout.name = volume.title;
     layout.path = volume.name;
-    if (!volume.image.scale.empty()) layout.unit = "micrometer";
+    layout.notes = volume.notes;
+    if (const std::string note = missingValuesNote(name, volume.image.missing, layout);
+        !note.empty())
+      layout.notes.push_back(note);
     chooseChannel(name, options.channel, {}, layout);
     std::string identity =
         fmt::format("{}|hdf5 {}|channel {}", input.file->identity(), set_path, layout.channel);

@@ -133,7 +133,7 @@ LIBRARIES = {
     r'(png|tiffio)\.h': ['io/', 'tests/io/'],
     r'nifti': ['io/', 'tests/io/'],
     r'cairo': ['src/annotate/'],
-    r'hdf5\.h': ['io/hdf5/hdf5_module.cpp'],
+    r'hdf5\.h': ['io/hdf5/hdf5_module.cpp', 'io/hdf5/hdf5_objects.h'],
     r'expat': ['io/files/xml_scanner.cpp'],
     r'curl/': ['io/web/http_client.cpp', 'io/web/redirect.cpp', 'io/web/web_module.cpp'],
     r'hwy/': ['src/cpu/', 'tests/cpu/'],

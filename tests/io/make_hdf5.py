@@ -114,3 +114,46 @@ with h5py.File(os.path.join(root, "packed.nc"), "w") as netcdf:
 says("packed.nc", "t", values.astype("int16"))
 with h5py.File(os.path.join(root, "none.h5"), "w") as none:
     none.create_dataset("curve", data=np.arange(5))
+with h5py.File(os.path.join(root, "flat.h5"), "w") as flat:
+    flat.create_dataset("first", data=values[0])
+    flat.create_dataset("second", data=values[1])
+with h5py.File(os.path.join(root, "types.h5"), "w") as types:
+    types["long"], types["half"], types["text"] = np.zeros((2, 2, 2), "int64"), np.zeros((2, 2, 2), "float16"), np.full((2, 2, 2), b"a")
+    types["record"] = np.zeros((2, 2, 2), [("a", "i4"), ("b", "f4")])
+
+
+def grid(file, axes, voxels, **attributes):
+    """A variable as NetCDF-4 has it. `axes`: name, positions (an extent if it has none), units and other attributes."""
+    with h5py.File(os.path.join(root, file), "w") as netcdf:
+        data = netcdf.create_dataset("v", data=voxels, fillvalue=attributes.get("_FillValue"))
+        for i, (axis, positions, more) in enumerate(axes):
+            has_none = isinstance(positions, int)
+            scale = netcdf.create_dataset(axis, data=np.zeros(positions, "f4") if has_none else np.asarray(positions))
+            scale.make_scale(f"This is a netCDF dimension but not a netCDF variable. {positions:9}" if has_none else axis)
+            for key, value in more.items():
+                scale.attrs[key] = value
+            data.dims[i].attach_scale(scale)
+        for key, value in attributes.items():
+            data.attrs[key] = value
+
+
+MM, NORTH, EAST = {"units": "mm"}, {"units": "degrees_north"}, {"units": "degrees_east"}
+floats = voxels_of(rng, "float32", (3, 4, 5))
+X, Y, Z = ("x", 0.25 * np.arange(5) - 1, MM), ("y", 0.5 * np.arange(4, dtype="f4"), MM), ("z", 10 - 2.0 * np.arange(3), MM)
+grid("grid.nc", [Z, Y, X], floats)
+grid("units.nc", [Z, Y, ("x", *X[1:2], {"units": "um"})], floats)
+grid("turned.nc", [("x", 0.25 * np.arange(3), MM), ("y", *Y[1:]), ("z", 2.0 * np.arange(5), MM)], floats)
+grid("uneven.nc", [("z", [1.0, 2, 5], {}), ("y", Y[1], {}), ("x", X[1], {})], floats)
+grid("pressure.nc", [("lev", [1000.0, 500, 1], {"units": "hPa"}), ("lat", Y[1], NORTH), ("lon", X[1], EAST)], floats)
+grid("degrees.nc", [("lev", 3, {}), ("lat", Y[1], NORTH), ("lon", X[1], EAST)], floats)
+grid("hours.nc", [("t0", [6.0], {"units": "hours since 1900-01-01"}), Z, Y, X], floats[None])
+masked = floats.copy()
+masked[1] = -999
+grid("masked.nc", [Z, Y, X], masked, _FillValue=np.float32(-999), missing_value=np.float32(-999))
+seen = masked.copy()
+seen[1] = np.nan
+says("masked.nc", "v", seen)
+grid("gaps.nc", [Z, Y, X], voxels_of(rng, "int16", (3, 4, 5)), _FillValue=np.int16(-32768), scale_factor=0.5, add_offset=1.0)
+signed = voxels_of(rng, "int8", (3, 4, 5))
+grid("unsigned.nc", [Z, Y, X], signed, _Unsigned="true", _FillValue=np.int8(-1))
+says("unsigned.nc", "v", signed.view("uint8"))

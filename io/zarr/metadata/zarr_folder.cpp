@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <span>
+#include <utility>
 
 #include "io/zarr/reading/zarr_checksums.h"
 #include "src/base/error.h"
+#include "src/base/files/json_field.h"
 
 namespace sluice {
 
@@ -27,6 +29,27 @@ const char* headerName(bool is_version3) {
 
 bool isVersion3(const ZarrHeader& header) {
   return header.path.ends_with(kVersion3);
+}
+
+// A line about arrays beside this one that have the names of its axes, as xarray keeps the
+// positions along them; empty: there are none.
+std::string coordinatesNote(const StorePlace& folder, const ZarrImage& image) {
+  const StorePlace around = folder.around();
+  if (around.key == folder.key) return "";
+  std::vector<std::string> names;
+  for (const ZarrAxis& axis : image.axes) {
+    // A name may have any letters.
+    if (axis.name.find('/') != std::string::npos || axis.name.starts_with(".")) continue;
+    const StorePlace beside = around.at(axis.name);
+    if (axis.type != "time" && axis.name != "time" &&
+        (beside.has(".zarray") || beside.has(kVersion3)))
+      names.push_back(printable(beside.name(), kLongestName));
+  }
+  if (names.empty()) return "";
+  return fmt::format(
+      "{}: the coordinates of its axes ({}) are not read: its voxels are drawn 1 apart, unless you "
+      "give --spacing",
+      folder.name(), fmt::join(names, ", "));
 }
 
 // An array by itself, or one of the levels of the image around it.
@@ -56,6 +79,8 @@ FoundZarr findArray(const StorePlace& folder) {
   if (const std::optional<ZarrHeader> own = findAttributes(folder)) {
     found.image = parseZarrImage(own->text, own->path);
     if (!isVersion3(*own)) found.take(*own);  // the array's own header otherwise
+    if (std::string note = coordinatesNote(folder, found.image); !note.empty())
+      found.notes.push_back(std::move(note));
   }
   return found;
 }

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "io/files/copy_row.h"
+#include "io/files/missing_values.h"
 #include "io/zarr/reading/zarr_rows.h"
 #include "src/base/error.h"
 
@@ -44,8 +45,12 @@ ChunkedSource::ChunkedSource(const ChunkedVolume& volume, OpenedArray opened, si
   channel_names_ = image.channels;
   channel_looks_ = image.looks;
   view_.layout.notes = array.notes;
-  if (part_ == Part::kImage)
+  if (part_ == Part::kImage) {
     view_.layout.notes.insert(view_.layout.notes.end(), volume.notes.begin(), volume.notes.end());
+    if (const std::string note = missingValuesNote(volume.name, image.missing, view_.layout);
+        !note.empty())
+      view_.layout.notes.push_back(note);
+  }
   // A level without the channel has other channels than the image: openLevels() leaves it out.
   if (part_ == Part::kImage || channel.number.value_or(0) < view_.layout.channels)
     chooseChannel(volume.name, channel, channel_names_, view_.layout);
@@ -56,6 +61,8 @@ ChunkedSource::ChunkedSource(const ChunkedVolume& volume, OpenedArray opened, si
     tag = static_cast<decltype(tag)>(array.fill_value);
     std::memcpy(fill_.data(), &tag, sizeof tag);
   });
+  blanked_ = blankedNumbers(array.type, image.missing);
+  blank(array.type, blanked_, fill_);
   header_bytes_ = opened.header_bytes;
   identity_ = opened.identity;
   places_ = opened.places;
@@ -66,6 +73,7 @@ ChunkedSource::ChunkedSource(const ChunkedVolume& volume, OpenedArray opened, si
     places_.push_back(volume.name);
   }
   if (view_.channel) identity_ += fmt::format("|channel {}", channel_);
+  if (!blanked_.empty()) identity_ += fmt::format("|without {}", fmt::join(blanked_, ", "));
   identity_ += "|" + array_->stamp();
   array_number_ = cache_->addArray(array.chunkBytes(), [this](int64_t chunk, ChunkMemory& memory) {
     return load(chunk, memory);
@@ -202,7 +210,10 @@ std::vector<int64_t> ChunkedSource::indexAt(std::span<const int64_t> parts, int6
 
 ZarrChunkCache::Chunk ChunkedSource::load(int64_t chunk, ChunkMemory& memory) {
   // A chunk without a file is all fill value.
-  if (std::shared_ptr<CountedBytes> loaded = array_->load(chunk, memory)) return loaded;
+  if (std::shared_ptr<CountedBytes> loaded = array_->load(chunk, memory)) {
+    blank(array_->array().type, blanked_, loaded->span());
+    return loaded;
+  }
   const uint64_t bytes = array_->array().chunkBytes();
   auto filled = std::make_shared<CountedBytes>(bytes, memory);
   fillRow(fill_, filled->span().data(), static_cast<int64_t>(bytes / fill_.size()));
@@ -283,7 +294,10 @@ std::optional<Occupancy> ChunkedSource::occupancy(int64_t time) {
   const Vec3i dims = view_.layout.dims;
   const std::vector<int64_t> wanted = indexAt(array.files, time, {0, 0, 0});
   Occupancy occupancy;
-  occupancy.background = array.fill_value;
+  visitVoxelType(array.type, [&](auto tag) {
+    std::memcpy(&tag, fill_.data(), sizeof tag);
+    occupancy.background = static_cast<double>(tag);
+  });
   int64_t present = 0;
   for (const int64_t number : array_->existing()) {
     const std::vector<int64_t> index = array.fileIndex(number);

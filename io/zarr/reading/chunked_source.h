@@ -131,6 +131,7 @@ class ChunkedSource : public VolumeSource,
   std::vector<std::string> places_;  // see files()
   uint64_t header_bytes_ = 0;        // read of the metadata
   std::vector<std::byte> fill_;      // a voxel
+  std::vector<double> blanked_;      // numbers that are read as NaN, see missing_values.h
   std::unique_ptr<ChunkedArray> array_;
   const std::shared_ptr<ZarrChunkCache> cache_;  // the image's
   const Part part_;

@@ -2,7 +2,6 @@
 
 #include <utility>
 
-#include "io/files/missing_values.h"
 #include "io/stores/folder_store.h"
 #include "io/zarr/metadata/zarr_folder.h"
 #include "src/base/error.h"
@@ -46,11 +45,8 @@ ChunkedVolume zarrVolume(const StorePlace& folder) {
   volume.identities = std::move(found.identities);
   volume.places = std::move(found.header_paths);
   volume.header_bytes = found.header_bytes;
+  volume.notes = std::move(found.notes);
   const ZarrImage image = volume.image = std::move(found.image);
-  if (const std::string note =
-          missingValuesNote(volume.name, image.missing, image.value_scale, image.value_offset);
-      !note.empty())
-    volume.notes.push_back(note);
   volume.open = [folder, array = found.array_folder, levels = image.levels, is_v3](size_t level) {
     return openZarrArray(level == 0 ? array : folder.at(levels[level]), is_v3);
   };

@@ -15,6 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using testing::AllOf;
+using testing::ElementsAre;
 using testing::HasSubstr;
 
 struct Hdf5Case : ZarrCase {
@@ -53,7 +54,12 @@ TEST_F(Hdf5, dataSetsAreReadAsTheyWereWritten) {
 
 TEST_F(Hdf5, aFileOfOneVolumeNeedsNoPath) {
   EXPECT_TRUE(asText(readAll(*open("one.h5"))) == voxelsOf("one.h5.only"));
-  EXPECT_THAT(errorOf([] { open("none.h5"); }), HasSubstr("a data set of three axes or more"));
+  EXPECT_THAT(errorOf([] { open("none.h5"); }),
+              HasSubstr("expected a data set of three axes or more, found none"));
+  EXPECT_THAT(errorOf([] { open("flat.h5"); }),
+              AllOf(HasSubstr("found /first (13 x 17), /second (13 x 17); name one"),
+                    HasSubstr("flat.h5:/first")));
+  EXPECT_EQ(open("flat.h5:/first")->layout().dims, (Vec3i{17, 13, 1}));
   EXPECT_THAT(errorOf([] { open("sets.h5"); }),
               AllOf(HasSubstr("sets.h5:/a/b/deep"), HasSubstr("11 x 13 x 17"), HasSubstr("...")));
 }
@@ -67,6 +73,47 @@ TEST_F(Hdf5, placesAndScalesAreRead) {
   const VolumeLayout packed = open("packed.nc")->layout();
   EXPECT_EQ(packed.value_scale, 0.5);
   EXPECT_EQ(packed.value_offset, 10);
+}
+
+TEST_F(Hdf5, dimensionScalesGiveThePlace) {
+  const VolumeLayout grid = open("grid.nc")->layout();
+  EXPECT_EQ(grid.spacing, (Vec3d{0.25, 0.5, 2}));
+  EXPECT_EQ(grid.origin, (Vec3d{-1, 0, 10}));
+  EXPECT_EQ(grid.axes[2], (Vec3d{0, 0, -1}));  // its numbers decrease
+  EXPECT_EQ(grid.unit, "millimeter");
+  EXPECT_THAT(grid.notes, testing::IsEmpty());
+  const VolumeLayout units = open("units.nc")->layout();
+  EXPECT_EQ(units.spacing, (Vec3d{0.25, 500, 2000}));
+  EXPECT_EQ(units.unit, "micrometer");
+  const VolumeLayout turned = open("turned.nc")->layout();
+  EXPECT_EQ(turned.dims, (Vec3i{3, 4, 5}));
+  EXPECT_EQ(turned.spacing, (Vec3d{0.25, 0.5, 2}));
+  const VolumeLayout hours = open("hours.nc")->layout();
+  EXPECT_EQ(hours.spacing, (Vec3d{0.25, 0.5, 2}));
+  EXPECT_EQ(hours.time_steps, 1);
+}
+
+TEST_F(Hdf5, positionsThatASpacingCannotTellAreWarnedOf) {
+  const VolumeLayout uneven = open("uneven.nc")->layout();
+  EXPECT_EQ(uneven.spacing, (Vec3d{0.25, 0.5, 2}));
+  EXPECT_THAT(uneven.notes, ElementsAre(HasSubstr(
+                                "uneven.nc:/v: the coordinates of its axis /z are 1 to 3 apart; "
+                                "its voxels are drawn evenly, 2 apart")));
+  const VolumeLayout pressure = open("pressure.nc")->layout();
+  EXPECT_EQ(pressure.spacing, (Vec3d{1, 1, 1}));
+  EXPECT_THAT(pressure.notes, ElementsAre(HasSubstr("different units (hPa, degree, degree)")));
+  const VolumeLayout degrees = open("degrees.nc")->layout();
+  EXPECT_EQ(degrees.spacing, (Vec3d{0.25, 0.5, 1}));
+  EXPECT_EQ(degrees.unit, "degree");
+  EXPECT_THAT(degrees.notes, ElementsAre(HasSubstr("its axis lev has no coordinates")));
+}
+
+// Floats of these numbers are NaN (dataSetsAreReadAsTheyWereWritten).
+TEST_F(Hdf5, integersThatStandForMissingValuesAreWarnedOf) {
+  EXPECT_THAT(open("masked.nc")->layout().notes, testing::IsEmpty());
+  EXPECT_THAT(open("gaps.nc")->layout().notes,
+              ElementsAre(HasSubstr("voxels of the value -16383 are missing ones")));
+  EXPECT_THAT(open("unsigned.nc")->layout().notes, ElementsAre(HasSubstr("the value 255")));
 }
 
 // A voxel of a set in one piece costs its own bytes, one of a chunk the chunk.
@@ -94,12 +141,17 @@ TEST_F(Hdf5, wrongNamesAndSetsAreOneLine) {
   const std::pair<std::string, std::string> wrong[] = {
       {"sets.h5:/nothing", "expected a data set /nothing, found none"},
       {"sets.h5:/a", "cannot be opened"},
-      {"sets.h5:/long", "expected integers of 8 to 32 bits"},
+      {"sets.h5:/long", "floats of 32 or 64, found integers of 64 bits"},
       {"sets.h5:/virtual", "a virtual data set"},
       {"sets.h5:/elsewhere", "leads to another file"}};
   for (const auto& [file, said] : wrong)
     EXPECT_THAT(errorOf([&, file = file] { open(file); }),
                 AllOf(HasSubstr("sets.h5:"), HasSubstr(said)));
+  for (const auto& [type, said] : {std::pair<std::string, std::string>{"half", "floats of 16 bits"},
+                                   {"text", "texts"},
+                                   {"record", "records of 2 members (8 bytes)"}})
+    EXPECT_THAT(errorOf([&, type = type] { open("types.h5:/" + type); }),
+                HasSubstr("found " + said));
   // One axis: a volume of one row.
   EXPECT_EQ(open("one.h5:/x")->layout().dims, (Vec3i{17, 1, 1}));
 }

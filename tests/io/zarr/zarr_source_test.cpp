@@ -232,6 +232,37 @@ TEST_F(ZarrDamage, identityChangesWithAChunkThatIsRewrittenInPlace) {
   }
 }
 
+// As xarray writes a variable with a coordinate.
+TEST(Zarr, conventionsOfAnArrayAreRead) {
+  const TempFolder folder;
+  const fs::path array = folder / "s.zarr/v";
+  fs::create_directories(array);
+  fs::create_directories(folder / "s.zarr/x");
+  writeFile(folder / "s.zarr/x/.zarray", "{}");
+  const auto write = [&](const std::string& type, const std::string& attributes) {
+    writeFile(array / ".zarray",
+              R"({"zarr_format": 2, "shape": [2, 2, 2], "chunks": [2, 2, 2], "compressor": null,
+                  "fill_value": -999, "order": "C", "filters": null, "dtype": ")" +
+                  type + "\"}");
+    writeFile(array / ".zattrs", attributes);
+  };
+  write("<i2", R"({"_ARRAY_DIMENSIONS": ["a", "b", "x"], "scale_factor": 0.5, "add_offset": 10,
+                   "_FillValue": -999})");
+  const ZarrSource integers(array);
+  EXPECT_EQ(integers.layout().value_scale, 0.5);
+  EXPECT_EQ(integers.layout().value_offset, 10);
+  EXPECT_THAT(integers.layout().notes,
+              testing::ElementsAre(testing::HasSubstr("s.zarr/x) are not read"),
+                                   testing::HasSubstr("voxels of the value -489.5 are missing")));
+  write("<f4", R"({"_FillValue": -999})");
+  ZarrSource floats(array);
+  EXPECT_THAT(floats.layout().notes, testing::IsEmpty());
+  const std::vector<std::byte> voxels = readAll(floats);  // of a chunk that is not there
+  float first = 0;
+  std::memcpy(&first, voxels.data(), sizeof first);
+  EXPECT_TRUE(std::isnan(first));
+}
+
 TEST(Zarr, aFolderThatIsNoImageSaysWhatItHolds) {
   const TempFolder folder;
   fs::create_directories(folder / "a/0");
