@@ -46,8 +46,8 @@ void blank(VoxelType type, std::span<const double> numbers, std::span<std::byte>
   });
 }
 
-std::string missingValuesNote(const std::string& name, std::span<const double> missing,
-                              const VolumeLayout& layout) {
+std::string missingValuesNote(std::span<const double> missing, const VolumeLayout& layout,
+                              std::string_view said_by) {
   if (isFloat(layout.type)) return "";
   std::vector<std::string> values;
   for (const double number : missing) {
@@ -58,9 +58,9 @@ std::string missingValuesNote(const std::string& name, std::span<const double> m
   }
   if (values.empty()) return "";
   return fmt::format(
-      "{}: voxels of the value {} are missing ones by its attributes (_FillValue, "
-      "missing_value); sluice draws them as values",
-      name, fmt::join(values, " or "));
+      "voxels of the value {} stand for missing values in the file ({}); sluice draws them as "
+      "values",
+      fmt::join(values, " or "), said_by);
 }
 
 }  // namespace sluice

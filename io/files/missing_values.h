@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "src/base/sources/volume_source.h"
@@ -16,9 +17,10 @@ std::vector<double> blankedNumbers(VoxelType type, std::span<const double> missi
 // Makes NaN of the voxels of these numbers. Requires: blankedNumbers() of the type.
 void blank(VoxelType type, std::span<const double> numbers, std::span<std::byte> voxels);
 
-// A line for people if integers of these stored numbers are drawn as values; empty if there is
-// nothing to tell. `layout`: the type and the scaling of the values. `name`: the volume's.
-std::string missingValuesNote(const std::string& name, std::span<const double> missing,
-                              const VolumeLayout& layout);
+// A line for people, without the volume's name, if integers of these stored numbers are drawn as
+// values; empty if there is nothing to tell. `layout`: the type and the scaling of the values.
+// `said_by`: where the file gives them.
+std::string missingValuesNote(std::span<const double> missing, const VolumeLayout& layout,
+                              std::string_view said_by = "_FillValue, missing_value");
 
 }  // namespace sluice

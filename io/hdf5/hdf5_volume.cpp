@@ -123,9 +123,8 @@ std::unique_ptr<VolumeSource> openHdf5(const std::string& path, const std::strin
     layout.name = volume.title;
     layout.path = volume.name;
     layout.notes = volume.notes;
-    if (const std::string note = missingValuesNote(name, volume.image.missing, layout);
-        !note.empty())
-      layout.notes.push_back(note);
+    if (const std::string note = missingValuesNote(volume.image.missing, layout); !note.empty())
+      layout.notes.push_back(name + ": " + note);
     chooseChannel(name, options.channel, {}, layout);
     std::string identity =
         fmt::format("{}|hdf5 {}|channel {}", input.file->identity(), set_path, layout.channel);

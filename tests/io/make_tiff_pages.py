@@ -100,6 +100,59 @@ ome_set("ome-set", voxels(2, 3, 2), 3)
 ome_set("ome-companion", voxels(1, 4, 3), 4, has_companion=True)
 
 
+# Arrays with their shape alone, or with axes.
+def shaped(name, v, axes, **options):
+    path = case(name, v, (1, 1, 1), "-")
+    order = {"T": 0, "Z": 1, "C": 2}
+    stored = np.transpose(v, [order[a] for a in axes] + [order[a] for a in "TZC" if a not in axes] + [3, 4])
+    stored = stored.reshape([v.shape[order[a]] for a in axes] + [*v.shape[3:]])
+    tifffile.imwrite(path, stored, photometric="minisblack", metadata={"axes": axes + "YX"}, **options)
+
+
+shaped("shaped-tz", voxels(2, 3, 1), "TZ")
+shaped("shaped-czt", voxels(2, 3, 4), "CZT")
+shaped("shaped-z-truncated", voxels(1, 5, 1), "Z", truncate=True)
+tifffile.imwrite(os.path.join(root, "shaped-unnamed.tif"), voxels(2, 3, 1)[:, :, 0], photometric="minisblack")
+one = voxels(1, 5, 1)
+tifffile.imwrite(case("shaped-one-axis", one, (1, 1, 1), "-"), one[0, :, 0], photometric="minisblack")
+
+
+# GDAL's sparse files: strips and tiles of 0 bytes at 0 are not stored.
+def sparse(name, kind, no_data=None, **options):
+    v = rng.integers(1, 100, (3, 40, 50)).astype(kind)
+    if no_data is not None:
+        v[2, 39, 49] = no_data
+    fill = 0 if no_data is None else no_data
+    path = os.path.join(root, name + ".tif")
+    tags = [] if no_data is None else [(42113, "s", 0, str(no_data), False)]
+    tifffile.imwrite(path, v, photometric="minisblack", metadata=None, extratags=tags, **options)
+    with tifffile.TiffFile(path, mode="r+b") as tif:
+        for z, page in enumerate(tif.pages):
+            gone = list(range(0, len(page.dataoffsets), 3))  # on all pages: tifffile keeps one list of sizes for them
+            for what in ("Offsets", "ByteCounts"):
+                tag = page.tags[("Tile" if page.is_tiled else "Strip") + what]
+                tag.overwrite([0 if i in gone else n for i, n in enumerate(tag.value)])
+            for i in gone:
+                if page.is_tiled:
+                    y, x = i // -(-50 // 16) * 16, i % -(-50 // 16) * 16
+                    v[z, y:y + 16, x:x + 16] = fill
+                else:
+                    v[z, i * page.rowsperstrip:(i + 1) * page.rowsperstrip] = fill
+    if v.dtype.kind == "f" and no_data is not None:
+        v[v == no_data] = np.nan
+    v.tofile(os.path.join(root, name + ".bin"))
+    if v.dtype.kind != "i":  # others have a warning
+        cases.write(f"{name} 50 40 3 1 1 1 1 1 -\n")
+
+
+for stored in ("none", "zlib", "lzma"):
+    sparse(f"sparse-strips-{stored}", "u2", compression=None if stored == "none" else stored, rowsperstrip=7)
+    sparse(f"sparse-tiles-{stored}", "u2", compression=None if stored == "none" else stored, tile=(16, 16))
+sparse("sparse-whole-page", "u2", rowsperstrip=40)
+sparse("no-data-integers", "i2", no_data=7, rowsperstrip=7)
+sparse("no-data-floats", "f4", no_data=-9999, rowsperstrip=7)
+
+
 # Reduced images of each page (SubIFDs), level by level in NAME-<level>.bin.
 def pyramid(name, pages):
     """`pages`: the levels, each (z, y, x)."""

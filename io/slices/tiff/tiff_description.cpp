@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "io/files/length_unit.h"
@@ -82,6 +83,99 @@ PageOrder imageJOrder(std::string_view text, int64_t pages, double pixels_x, dou
   setImageJOrigin(fields, order);
   return order;
 }
+
+// The axes of an array that tifffile wrote, without those of a page.
+struct ShapedAxes {
+  std::vector<int64_t> extents;
+  std::string letters;  // one each, as "TZ"; empty: not told
+  bool is_truncated = false;
+};
+// Nullopt: no such description.
+std::optional<ShapedAxes> shapedAxes(std::string_view text) {
+  if (!text.starts_with('{')) return std::nullopt;
+  const auto document = nlohmann::json::parse(text, nullptr, false);
+  if (!document.is_object()) return std::nullopt;
+  const auto shape = document.find("shape"), axes = document.find("axes"),
+             truncated = document.find("truncated");
+  if (shape == document.end() || !shape->is_array()) return std::nullopt;
+  ShapedAxes found;
+  for (const auto& extent : *shape) {
+    if (!extent.is_number_integer() || extent < 1 || extent > kMostPlanes) return std::nullopt;
+    found.extents.push_back(extent.get<int64_t>());
+  }
+  const size_t count = found.extents.size();
+  if (axes != document.end() && axes->is_string()) found.letters = axes->get<std::string>();
+  if (found.letters.size() != count) found.letters.clear();
+  // The axes of a page: rows, columns, and perhaps samples.
+  const bool has_samples = found.letters.ends_with("YXS");
+  const size_t of_page = has_samples ? 3 : 2;
+  if (count < of_page) return std::nullopt;
+  found.extents.resize(count - of_page);
+  if (!found.letters.empty()) found.letters.resize(count - of_page);
+  found.is_truncated = truncated != document.end() && *truncated == true;
+  return found;
+}
+
+// Counts and steps by letters of the axes; false: there are others, or one twice.
+bool setOrder(const ShapedAxes& axes, PageOrder& order) {
+  int64_t step = 1;
+  std::string taken;
+  for (size_t a = axes.extents.size(); a-- > 0; step *= axes.extents[a]) {
+    if (axes.extents[a] == 1) continue;
+    if (axes.letters.empty() || taken.find(axes.letters[a]) != std::string::npos) return false;
+    taken += axes.letters[a];
+    const auto set = [&](int64_t& count, int64_t& planes_between) {
+      count = axes.extents[a];
+      planes_between = step;
+    };
+    switch (axes.letters[a]) {
+      case 'Z':
+        set(order.slices, order.slice_step);
+        break;
+      case 'C':
+        set(order.channels, order.channel_step);
+        break;
+      case 'T':
+        set(order.frames, order.frame_step);
+        break;
+      default:
+        return false;
+    }
+  }
+  return true;
+}
+
+PageOrder shapedOrder(const ShapedAxes& axes, int64_t pages) {
+  int64_t planes = 1, long_axes = 0;
+  for (const int64_t extent : axes.extents) {
+    // Each is within kMostPlanes, so that the product of two is within 63 bits.
+    planes = std::min(planes * extent, kMostPlanes + 1);
+    long_axes += extent > 1 ? 1 : 0;
+  }
+  const bool is_truncated = axes.is_truncated && pages == 1 && planes <= kMostPlanes;
+  const std::string said =
+      fmt::format("its description gives {} pages, as {}", planes, fmt::join(axes.extents, " x "));
+  if (planes != pages && !is_truncated) {
+    PageOrder order = plainPages(pages);
+    // Several arrays in one file, each with a description of its own.
+    if (long_axes > 0 || pages > 1)
+      order.notes.push_back(
+          fmt::format("{}; the file has {}, which are read as slices", said, pages));
+    return order;
+  }
+  PageOrder order;
+  if (!setOrder(axes, order)) {
+    order = plainPages(planes);
+    if (long_axes > 1)
+      order.notes.push_back(fmt::format(
+          "{}, but does not tell which of these are slices, channels and time steps; all of them "
+          "are read as slices",
+          said));
+  }
+  if (is_truncated) order.untold_pages = planes - 1;
+  return order;
+}
+
 }  // namespace
 
 PageOrder parseTiffDescription(std::string_view description, int64_t pages, double pixels_a_unit_x,
@@ -91,6 +185,7 @@ PageOrder parseTiffDescription(std::string_view description, int64_t pages, doub
   const bool is_ome = description.find("<OME") != std::string_view::npos ||
                       description.find(":OME") != std::string_view::npos;
   if (is_ome) return parseOmeDescription(description, pages);
+  if (const auto axes = shapedAxes(description)) return shapedOrder(*axes, pages);
   return plainPages(pages);
 }
 

@@ -1,8 +1,10 @@
-// Parses the description in a TIFF, which orders its pages as a volume: ImageJ's lines, or OME's
-// XML (ome_description.h).
+// Parses the description in a TIFF, which orders its pages as a volume: ImageJ's lines, OME's XML
+// (ome_description.h), or the shape of an array as tifffile writes it.
 //
-// Pure: no file is touched, so that damage can be tried. Source: ImageJ's TiffDecoder conventions
-// ("ImageJ=1.53t", hyperstacks in the order channel, slice, frame).
+// Pure: no file is touched, so that damage can be tried. Sources: ImageJ's TiffDecoder conventions
+// ("ImageJ=1.53t", hyperstacks in the order channel, slice, frame); tifffile's
+// {"shape": [2, 3, 20, 30], "axes": "TZYX", "truncated": true}, of which only the shape is always
+// there.
 #pragma once
 
 #include <cstdint>

@@ -3,8 +3,27 @@
 #include <algorithm>
 
 #include "src/base/error.h"
+#include "src/base/files/number_text.h"
 
 namespace sluice {
+namespace {
+
+// The text of GDAL_NODATA as a number. libtiff knows the tag only as one that it has met.
+std::optional<double> noDataOf(TIFF* tiff) {
+  constexpr uint32_t kTag = 42113;
+  constexpr size_t kLongest = 40;
+  uint32_t count = 0;
+  const void* text = nullptr;
+  const TIFFField* const field = TIFFFindField(tiff, kTag, TIFF_ASCII);
+  if (field == nullptr || TIFFFieldPassCount(field) == 0 ||
+      TIFFGetField(tiff, kTag, &count, &text) != 1 || text == nullptr)
+    return std::nullopt;
+  std::string_view word(static_cast<const char*>(text), std::min<size_t>(count, kLongest));
+  word = word.substr(0, word.find_first_of(std::string_view("\0 ", 2)));
+  return numberIn<double>(word);
+}
+
+}  // namespace
 
 TiffPage tiffPageOf(TIFF* tiff) {
   TiffPage p;
@@ -24,6 +43,7 @@ TiffPage tiffPageOf(TIFF* tiff) {
     p.predictor = tiffField<uint16_t>(tiff, TIFFTAG_PREDICTOR, PREDICTOR_NONE);
   p.fill_order = tiffField<uint16_t>(tiff, TIFFTAG_FILLORDER, FILLORDER_MSB2LSB);
   p.is_tiled = TIFFIsTiled(tiff) != 0;
+  p.no_data = noDataOf(tiff);
   return p;
 }
 

@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,8 @@ struct TiffPage {
   uint16_t planar = PLANARCONFIG_CONTIG, orientation = ORIENTATION_TOPLEFT;
   uint16_t predictor = PREDICTOR_NONE, fill_order = FILLORDER_MSB2LSB;
   bool is_tiled = false;
+  // The number that stands for no value (GDAL_NODATA).
+  std::optional<double> no_data = {};
   uint64_t moved_bytes = 0;  // its voxels lie this far behind those that its table names
 
   bool hasColor() const {

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cstring>
+#include <limits>
+#include <type_traits>
 #include <utility>
 
 #include "io/files/swap_bytes.h"
@@ -17,12 +19,55 @@ void TiffRows::begin(int64_t number, const TiffPage& page) {
   // The decoder and the row belong to the page before.
   next_row_ = -1;
   deflated_.reset();
+  fill_.assign(page.bits / 8U, std::byte{0});
+  if (!page.no_data) return;
+  visitVoxelType(voxelTypeOf(page, stream_.file.path()), [&](auto tag) {
+    using T = decltype(tag);
+    if constexpr (std::is_integral_v<T>)
+      if (!(*page.no_data >= double{std::numeric_limits<T>::min()} &&
+            *page.no_data <= double{std::numeric_limits<T>::max()}))
+        return;
+    tag = static_cast<T>(*page.no_data);
+    if (sizeof tag == fill_.size()) std::memcpy(fill_.data(), &tag, sizeof tag);
+  });
+}
+
+bool TiffRows::isSparse(uint32_t strile) {
+  return TIFFGetStrileOffset(tiff_, strile) == 0 && TIFFGetStrileByteCount(tiff_, strile) == 0;
+}
+
+void TiffRows::fill(std::span<std::byte> rows) const {
+  for (size_t at = 0; at + fill_.size() <= rows.size(); at += fill_.size())
+    std::memcpy(rows.data() + at, fill_.data(), fill_.size());
 }
 
 void TiffRows::read(int64_t first, int64_t count, const Keep& keep) {
   if (page_.is_tiled) {
     readTiles(first, count, keep);
-  } else if (page_.compression == COMPRESSION_NONE) {
+    return;
+  }
+  const int64_t strip_rows = rowsPerStrip(), end = first + count;
+  const auto isSparseAt = [&](int64_t row) {
+    return isSparse(static_cast<uint32_t>(row / strip_rows));
+  };
+  for (int64_t row = first; row < end;) {
+    const bool is_sparse = isSparseAt(row);
+    int64_t to = row;
+    while (to < end && isSparseAt(to) == is_sparse)
+      to = std::min(end, (to / strip_rows + 1) * strip_rows);
+    if (!is_sparse) {
+      readStoredStrips(row, to - row, keep);
+    } else {
+      buffer_.resize(page_.width * page_.pixelBytes());
+      fill(buffer_);
+      for (int64_t i = row; i < to; ++i) keep(i, buffer_.data());
+    }
+    row = to;
+  }
+}
+
+void TiffRows::readStoredStrips(int64_t first, int64_t count, const Keep& keep) {
+  if (page_.compression == COMPRESSION_NONE) {
     readPlainStrips(first, count, keep);
   } else if (page_.isDeflate()) {
     readDeflateStrips(first, count, keep);
@@ -161,9 +206,11 @@ void TiffRows::readTiles(int64_t first, int64_t count, const Keep& keep) {
     rows.resize(static_cast<size_t>((end - begin) * page_.width * pixel));
     for (int64_t left = 0; left < page_.width; left += tile_width) {
       const auto x = static_cast<uint32_t>(left), y = static_cast<uint32_t>(top);
-      if (page_.isDeflate())
-        readDeflateTile(TIFFComputeTile(tiff_, x, y, 0, 0), static_cast<size_t>(tile_width * pixel),
-                        tile_height);
+      const uint32_t tile = TIFFComputeTile(tiff_, x, y, 0, 0);
+      if (isSparse(tile))
+        fill(buffer_);
+      else if (page_.isDeflate())
+        readDeflateTile(tile, static_cast<size_t>(tile_width * pixel), tile_height);
       else if (TIFFReadTile(tiff_, buffer_.data(), x, y, 0, 0) < 0)
         stream_.failWith(
             fmt::format("page {}, tile at ({}, {}): damaged TIFF", number_ + 1, left, top));

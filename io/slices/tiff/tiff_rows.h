@@ -1,11 +1,13 @@
 // TiffRows: the rows of a page of a TIFF as they are stored, whatever holds them: strips or tiles,
-// uncompressed or not. One thread.
+// uncompressed or not. Those that are not stored are 0, or the page's GDAL_NODATA: GDAL's sparse
+// files give 0 as their place and their size. One thread.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "io/slices/deflate_rows.h"
@@ -34,6 +36,10 @@ class TiffRows {
 
  private:
   int64_t rowsPerStrip();
+  // Whether a strip or tile is not stored: neither a place nor bytes.
+  bool isSparse(uint32_t strile);
+  void fill(std::span<std::byte> rows) const;
+  void readStoredStrips(int64_t first, int64_t count, const Keep& keep);
   std::unique_ptr<DeflateRows> deflateRows(uint32_t strile, size_t row_bytes, int64_t rows);
   void readDeflateStrips(int64_t first, int64_t count, const Keep& keep);
   void readDeflateTile(uint32_t tile, size_t row_bytes, int64_t rows);
@@ -49,6 +55,7 @@ class TiffRows {
   int64_t next_row_ = -1;                  // the row at which the decoder stands; -1: none
   std::unique_ptr<DeflateRows> deflated_;  // of a page that isDeflate()
   std::vector<std::byte> buffer_;          // a row or tile as stored
+  std::vector<std::byte> fill_;            // a sample of what is not stored
 };
 
 }  // namespace sluice

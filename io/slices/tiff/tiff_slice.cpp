@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "io/files/missing_values.h"
 #include "io/slices/tiff/tiff_description.h"
 #include "io/slices/tiff/tiff_page.h"
 #include "io/slices/tiff/tiff_rows.h"
@@ -49,9 +50,14 @@ class TiffPicture final : public SlicePicture {
                     out.subspan(static_cast<size_t>(at) * row_bytes, row_bytes), is_mirrored);
     };
     rows_.read(first, count, keepRow);
+    blank(format_.type, blankedNumbers(format_.type, missingOf(p)), out);
   }
 
  private:
+  static std::vector<double> missingOf(const TiffPage& p) {
+    return p.no_data ? std::vector<double>{*p.no_data} : std::vector<double>();
+  }
+
   void listPages() {
     // Pages, from 1: one whose strip is too small for uncompressed pixels, and a compressed one.
     size_t too_small = 0, compressed = 0;
@@ -156,7 +162,8 @@ class TiffPicture final : public SlicePicture {
       resolution_ = {};
   }
 
-  // ImageJ writes stacks beyond 4 GiB as one page, behind which the others lie one by one.
+  // ImageJ writes stacks beyond 4 GiB as one page, behind which the others lie one by one, and
+  // tifffile those that are truncated.
   void addUntoldPages() {
     const TiffPage first = pages_[0];
     const uint64_t page_bytes = uint64_t{first.width} * first.height * first.pixelBytes();
@@ -165,7 +172,7 @@ class TiffPicture final : public SlicePicture {
     if (first.is_tiled || first.compression != COMPRESSION_NONE || begin > size ||
         pages > (size - begin) / page_bytes)
       fail(
-          "{}: its ImageJ description names {} images of {} bytes, expected them uncompressed "
+          "{}: its description names {} images of {} bytes, expected them uncompressed "
           "behind the first, in a file of {} bytes from {} on; the file was truncated or converted",
           stream_.file.path(), pages, page_bytes, size, begin);
     for (uint64_t i = 1; i < pages; ++i) {
@@ -176,6 +183,12 @@ class TiffPicture final : public SlicePicture {
 
   void noteColors() {
     const TiffPage& p = pages_[0];
+    VolumeLayout layout;
+    layout.type = format_.type;
+    // Integers that are converted have other values.
+    if (const std::string note = missingValuesNote(missingOf(p), layout, "GDAL_NODATA");
+        !note.empty() && p.photometric == PHOTOMETRIC_MINISBLACK)
+      format_.notes.push_back(note);
     if (p.hasColor())
       format_.notes.emplace_back("its colors are read as their luminance");
     else if (p.samples > 1)

@@ -47,9 +47,8 @@ ChunkedSource::ChunkedSource(const ChunkedVolume& volume, OpenedArray opened, si
   view_.layout.notes = array.notes;
   if (part_ == Part::kImage) {
     view_.layout.notes.insert(view_.layout.notes.end(), volume.notes.begin(), volume.notes.end());
-    if (const std::string note = missingValuesNote(volume.name, image.missing, view_.layout);
-        !note.empty())
-      view_.layout.notes.push_back(note);
+    if (const std::string note = missingValuesNote(image.missing, view_.layout); !note.empty())
+      view_.layout.notes.push_back(volume.name + ": " + note);
   }
   // A level without the channel has other channels than the image: openLevels() leaves it out.
   if (part_ == Part::kImage || channel.number.value_or(0) < view_.layout.channels)

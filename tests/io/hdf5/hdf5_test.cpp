@@ -112,7 +112,7 @@ TEST_F(Hdf5, positionsThatASpacingCannotTellAreWarnedOf) {
 TEST_F(Hdf5, integersThatStandForMissingValuesAreWarnedOf) {
   EXPECT_THAT(open("masked.nc")->layout().notes, testing::IsEmpty());
   EXPECT_THAT(open("gaps.nc")->layout().notes,
-              ElementsAre(HasSubstr("voxels of the value -16383 are missing ones")));
+              ElementsAre(HasSubstr("voxels of the value -16383 stand for missing values")));
   EXPECT_THAT(open("unsigned.nc")->layout().notes, ElementsAre(HasSubstr("the value 255")));
 }
 

@@ -36,7 +36,7 @@ struct Case {
 using TiffPages = PythonVolumesTest<Case>;
 
 TEST_F(TiffPages, areSlicesChannelsAndStepsAsTheirDescriptionSays) {
-  ASSERT_EQ(cases_.size(), 11U);
+  ASSERT_EQ(cases_.size(), 23U);
   for (const Case& c : cases_) {
     SCOPED_TRACE(c.name);
     const std::string path = pathOf(c.name + ".tif").string();
@@ -46,12 +46,38 @@ TEST_F(TiffPages, areSlicesChannelsAndStepsAsTheirDescriptionSays) {
     EXPECT_EQ(layout.time_steps, c.steps);
     EXPECT_EQ(layout.channels, c.channels);
     EXPECT_EQ(layout.channel, c.channels - 1);
-    EXPECT_EQ(layout.unit, c.unit);
+    EXPECT_EQ(layout.unit, c.unit == "-" ? "" : c.unit);
     for (int a = 0; a < 3; ++a) EXPECT_NEAR(layout.spacing[a], c.spacing[a], 1e-6 * c.spacing[a]);
     EXPECT_THAT(layout.notes, testing::IsEmpty());
     EXPECT_TRUE(allSteps(*source) == voxelsOf(c.name));
     expectBoxesAreParts(*source, voxelsOf(c.name));
   }
+}
+
+TEST_F(TiffPages, aShapeWithoutAxesAndNoDataOfIntegersAreWarnedOf) {
+  const VolumeLayout unnamed = openVolume(pathOf("shaped-unnamed.tif").string())->layout();
+  EXPECT_EQ(unnamed.dims, (Vec3i{30, 20, 6}));
+  EXPECT_THAT(unnamed.notes,
+              testing::ElementsAre(HasSubstr("gives 6 pages, as 2 x 3, but does not tell")));
+  const auto integers = openVolume(pathOf("no-data-integers.tif").string());
+  EXPECT_TRUE(allSteps(*integers) == voxelsOf("no-data-integers"));
+  EXPECT_THAT(integers->layout().notes,
+              testing::ElementsAre(AllOf(HasSubstr("the value 7 stand for missing values"),
+                                         HasSubstr("(GDAL_NODATA)"))));
+}
+
+TEST(TiffDescription, aShapeThatDoesNotFitThePagesIsWarnedOf) {
+  const auto notes = [](const char* text, int64_t pages) {
+    return parseTiffDescription(text, pages, 0, 0).notes;
+  };
+  EXPECT_THAT(notes(R"({"shape": [2, 3, 20, 30]})", 7),
+              testing::ElementsAre(HasSubstr("gives 6 pages, as 2 x 3; the file has 7")));
+  EXPECT_THAT(notes(R"({"shape": [2, 3, 20, 30], "axes": "TTYX"})", 6),
+              testing::ElementsAre(HasSubstr("does not tell")));
+  for (const char* text : {R"({"shape": [20, 30]})", R"({"shape": [1, 20, 30]})", R"({"shape": 3})",
+                           R"({"shape": [20, 30, 3], "axes": "YXS"})", R"({"shape": [-1, 2, 3]})",
+                           R"({"shape")", "{}", R"({"shape": [], "axes": ""})"})
+    EXPECT_THAT(notes(text, 1), testing::IsEmpty()) << text;
 }
 
 TEST_F(TiffPages, theFirstChannelIsReadWhereNoneIsChosenAndANoteSaysSo) {

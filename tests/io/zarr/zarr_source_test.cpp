@@ -251,9 +251,10 @@ TEST(Zarr, conventionsOfAnArrayAreRead) {
   const ZarrSource integers(array);
   EXPECT_EQ(integers.layout().value_scale, 0.5);
   EXPECT_EQ(integers.layout().value_offset, 10);
-  EXPECT_THAT(integers.layout().notes,
-              testing::ElementsAre(testing::HasSubstr("s.zarr/x) are not read"),
-                                   testing::HasSubstr("voxels of the value -489.5 are missing")));
+  EXPECT_THAT(
+      integers.layout().notes,
+      testing::ElementsAre(testing::HasSubstr("s.zarr/x) are not read"),
+                           testing::HasSubstr("voxels of the value -489.5 stand for missing")));
   write("<f4", R"({"_FillValue": -999})");
   ZarrSource floats(array);
   EXPECT_THAT(floats.layout().notes, testing::IsEmpty());
