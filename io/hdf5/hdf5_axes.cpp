@@ -5,9 +5,11 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <string_view>
+#include <utility>
 
 #include "io/files/length_unit.h"
 #include "io/hdf5/hdf5_input.h"
+#include "io/headers/volume_description.h"
 #include "src/base/error.h"
 #include "src/base/files/json_field.h"
 #include "src/base/values/letter_case.h"
@@ -204,10 +206,13 @@ Hdf5Image hdf5ImageOf(const Hdf5Description& description, size_t axes, bool chan
   image.axes = axesOf(description, name);
   if (image.axes.size() != axes) image.axes = unnamed(axes, channel_wanted);
   if (const Hdf5Attribute* const size = find(description.attributes, "element_size_um");
-      size != nullptr && size->numbers.size() == kSpaceAxes)
+      size != nullptr && size->numbers.size() == kSpaceAxes) {
     placeByElementSize(*size, image);
-  else
+    if (std::string note = negativeSpacingNote(name, size->numbers); !note.empty())
+      found.notes.push_back(std::move(note));
+  } else {
     placeByScales(description, name, found);
+  }
   image.value_scale = oneNumber(description.attributes, "scale_factor", 1);
   image.value_offset = oneNumber(description.attributes, "add_offset", 0);
   found.is_unsigned = oneText(description.attributes, "_Unsigned") == "true";

@@ -1,5 +1,6 @@
 #include "io/headers/volume_description.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "src/base/error.h"
@@ -76,6 +77,14 @@ void setSteps(const std::string& path, std::vector<Vec3d> steps, VolumeLayout& l
   layout.axes = {unit[0], unit[1], unit[2]};
   if (!(std::abs(determinant(layout.axes)) >= kLeastDeterminant))
     fail("{}: the directions of its axes lie in one plane", path);
+}
+
+std::string negativeSpacingNote(const std::string& path, std::span<const double> spacing) {
+  if (std::ranges::none_of(spacing, [](double size) { return size < 0; })) return "";
+  return fmt::format(
+      "{}: its spacing is {}: an axis of negative spacing runs the other way, so that the volume "
+      "is a mirror image",
+      path, fmt::join(spacing, " x "));
 }
 
 void setOrigin(const std::string& path, Vec3d origin, VolumeLayout& layout) {

@@ -8,6 +8,7 @@
 
 #include <bit>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -47,6 +48,10 @@ std::string sizeArithmetic(const VolumeLayout& layout, int64_t skipped, int64_t 
 // not be perpendicular, but Throws Error when one is not finite, outside 1e-30 to 1e30, or when
 // they lie in a plane.
 void setSteps(const std::string& path, std::vector<Vec3d> steps, VolumeLayout& layout);
+
+// A line for people if one of the spacings in a file is negative, which turns its axis round;
+// empty: none is. `path`: the file's.
+std::string negativeSpacingNote(const std::string& path, std::span<const double> spacing);
 
 // Throws Error unless finite and within 1e30.
 void setOrigin(const std::string& path, Vec3d origin, VolumeLayout& layout);

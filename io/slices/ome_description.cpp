@@ -155,7 +155,7 @@ std::optional<double> omeLength(const Fields& pixels, std::string_view axis,
   const std::string own = fieldOf(pixels, name + "Unit");
   if (!size) return std::nullopt;
   // OME's default unit of a physical size is the micrometer.
-  return lengthOr1(*size * unitRatio(own.empty() ? "micrometer" : lengthUnit(own), unit));
+  return *size * unitRatio(own.empty() ? "micrometer" : lengthUnit(own), unit);
 }
 
 // The unit of a plane's position along an axis. The stage's own frame, which counts without a unit,
@@ -187,9 +187,15 @@ std::optional<double> stepOfPlanes(const OmePixels& pixels, const PageOrder& ord
 }
 
 void setOmeSpacing(const OmePixels& pixels, PageOrder& order) {
-  const auto x = omeLength(pixels.fields, "X", order.unit),
-             y = omeLength(pixels.fields, "Y", order.unit),
-             z = omeLength(pixels.fields, "Z", order.unit),
+  const auto lengthOf = [&](std::string_view axis) {
+    const auto length = omeLength(pixels.fields, axis, order.unit);
+    if (!length || lengthOr1(length) == *length) return length;
+    order.notes.push_back(fmt::format(
+        "its OME description has a PhysicalSize{} of {:g}, which is no length: 1 {} is used", axis,
+        *length, order.unit));
+    return std::optional(1.0);
+  };
+  const auto x = lengthOf("X"), y = lengthOf("Y"), z = lengthOf("Z"),
              planes = z ? std::nullopt : stepOfPlanes(pixels, order);
   order.spacing.x = x.value_or(1);
   order.spacing.y = y.value_or(order.spacing.x);

@@ -1,6 +1,7 @@
 #include "io/vtk/vtk_image.h"
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 #include "io/headers/volume_description.h"
@@ -51,6 +52,9 @@ VolumeLayout vtkLayout(const VtkImage& image, bool of_cells, const std::string& 
     steps.push_back(Vec3d{d[axis], d[3 + axis], d[6 + axis]} * image.spacing[a]);
   }
   setSteps(path, steps, layout);
+  const std::array<double, 3> spacing{image.spacing.x, image.spacing.y, image.spacing.z};
+  if (const std::string note = negativeSpacingNote(path, spacing); !note.empty())
+    layout.notes.push_back(note);
   setOrigin(path, image.origin + steps[0] * first.x + steps[1] * first.y + steps[2] * first.z,
             layout);
   return layout;

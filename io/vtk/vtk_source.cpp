@@ -1,6 +1,8 @@
 #include "io/vtk/vtk_source.h"
 
 #include <algorithm>
+#include <array>
+#include <iterator>
 #include <utility>
 #include <vector>
 
@@ -108,7 +110,7 @@ std::unique_ptr<VolumeSource> openVtk(const std::filesystem::path& path, const C
   layout.path = file->path();
   layout.channels = choice.channels;
   layout.channel = choice.channel;
-  layout.notes = std::move(choice.notes);
+  std::ranges::move(choice.notes, std::back_inserter(layout.notes));
   const auto bytes = static_cast<uint64_t>(checkedVolumeBytes(file->path(), layout));
   std::endian order = image.byte_order;
   RawSegment segment;

@@ -227,6 +227,10 @@ void readGeometry(const Fields& fields, size_t dimension, VolumeLayout& layout) 
     if (!offset.empty()) origin[static_cast<int>(axis)] = offset[axis];
   }
   setSteps(fields.path, steps, layout);
+  // A fourth one is of time.
+  const std::span of_space = std::span(spacing).first(std::min(axes, spacing.size()));
+  if (const std::string note = negativeSpacingNote(fields.path, of_space); !note.empty())
+    layout.notes.push_back(note);
   setOrigin(fields.path, origin, layout);
   layout.frame = frameOf(fields);
   layout.unit = lengthUnit(fields.find({"DistanceUnits"}).value_or(""));

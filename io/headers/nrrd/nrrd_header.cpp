@@ -104,7 +104,8 @@ struct Axis {
   bool spatial = true;
   std::string kind;
   double spacing = 1;
-  double first = 0;  // the position of the first voxel's centre along the axis
+  bool has_spacing = false;  // the header gives it
+  double first = 0;          // the position of the first voxel's centre along the axis
   std::optional<Vec3d> direction;
 };
 
@@ -115,7 +116,8 @@ void readSpacings(const NrrdFields& fields, std::span<Axis> axes) {
   for (size_t i = 0; i < axes.size(); ++i) {
     const double spacing = real(fields, "spacings", words[i]);
     // A spacing that is no number marks an axis that is not of space, such as time.
-    if (!std::isnan(spacing))
+    axes[i].has_spacing = !std::isnan(spacing);
+    if (axes[i].has_spacing)
       axes[i].spacing = spacing;
     else if (axes.size() > 3)
       axes[i].spatial = false;
@@ -149,8 +151,10 @@ void readEnds(const NrrdFields& fields, std::span<Axis> axes) {
     const bool of_nodes = !centers.empty() && lowercase(centers[i]) == "node";
     const int64_t steps = of_nodes ? axis.size - 1 : axis.size;
     const double length = maxs[i] - mins[i];
-    if (std::isnan(said[i]) && !std::isnan(length) && length != 0 && steps > 0)
+    if (std::isnan(said[i]) && !std::isnan(length) && length != 0 && steps > 0) {
       axis.spacing = length / static_cast<double>(steps);
+      axis.has_spacing = true;
+    }
     if (!std::isnan(mins[i])) axis.first = of_nodes ? mins[i] : mins[i] + axis.spacing / 2;
   }
 }
@@ -266,6 +270,21 @@ std::array<std::string, 3> worldUnits(const NrrdFields& fields, const std::vecto
   return world;
 }
 
+// Says which spacings are odd: negative ones, and those that are not known although others are.
+void noteSpacings(const NrrdFields& fields, const std::vector<Axis>& axes, VolumeLayout& layout) {
+  std::vector<double> spacing;
+  for (const Axis& axis : axes) {
+    if (axis.direction) continue;
+    spacing.push_back(axis.spacing);
+    if (!axis.has_spacing && axis.size > 1 && fields.find("spacings"))
+      layout.notes.push_back(
+          fmt::format("{}: its spacing along axis {} is nan: its voxels are drawn 1 apart there",
+                      fields.path, axis.number));
+  }
+  if (const std::string note = negativeSpacingNote(fields.path, spacing); !note.empty())
+    layout.notes.push_back(note);
+}
+
 void readGeometry(const NrrdFields& fields, const std::vector<Axis>& axes, VolumeLayout& layout) {
   const std::array<std::string, 3> units = worldUnits(fields, axes);
   layout.unit = units[0];
@@ -284,6 +303,7 @@ void readGeometry(const NrrdFields& fields, const std::vector<Axis>& axes, Volum
   }
   if (steps.empty()) steps.push_back({1, 0, 0});
   setSteps(fields.path, steps, layout);
+  noteSpacings(fields, axes, layout);
   const std::optional<std::string_view> origin = fields.find("spaceorigin");
   const bool has_origin = origin && *origin != "none";
   setOrigin(fields.path, inUnit(has_origin ? vector(fields, "space origin", *origin) : first),

@@ -36,6 +36,9 @@ void setImageJSpacing(const Fields& fields, double pixels_x, double pixels_y, Pa
   order.spacing.y = pixels_y > 0 ? lengthOr1(1 / pixels_y) : order.spacing.x;
   const auto depth = numberIn<double>(fieldOf(fields, "spacing"));
   order.spacing.z = lengthOr1(depth ? std::optional(std::abs(*depth)) : std::nullopt);
+  if (depth && order.spacing.z != std::abs(*depth))
+    order.notes.push_back(fmt::format(
+        "its ImageJ description has a spacing of {:g}, which is no length: 1 is used", *depth));
   // ImageJ names the units of y and z only if they differ from that of x.
   const auto ratioOf = [&](const char* key) {
     return unitRatio(lengthUnit(fieldOf(fields, key)), order.unit);

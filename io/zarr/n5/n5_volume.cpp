@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "io/headers/volume_description.h"
 #include "io/zarr/metadata/zarr_folder.h"
 #include "io/zarr/n5/n5_attributes.h"
 #include "io/zarr/reading/zarr_chunk_files.h"
@@ -124,8 +125,13 @@ ChunkedVolume n5Volume(const StorePlace& folder) {
   ChunkedVolume volume;
   volume.name = folder.name();
   volume.title = folder.lastPart();
+  const auto noteSpacing = [&volume] {
+    if (std::string note = negativeSpacingNote(volume.said_by, volume.image.scale); !note.empty())
+      volume.notes.push_back(std::move(note));
+  };
   if (isArrayIn(folder)) {
     volume.image = imageOfArray(folder, volume);
+    noteSpacing();
     volume.open = [folder](size_t) { return openN5Array(folder); };
     return volume;
   }
@@ -133,6 +139,7 @@ ChunkedVolume n5Volume(const StorePlace& folder) {
     fail("{}: expected a data set or a group of levels s0, s1 ..., found an N5 group of neither{}",
          volume.name, nameInside(folder));
   volume.image = imageOf(folder, volume);
+  noteSpacing();
   volume.is_image = true;
   volume.open = [folder](size_t level) { return openN5Array(folder.at(n5LevelName(level))); };
   return volume;

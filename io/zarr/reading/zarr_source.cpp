@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "io/headers/volume_description.h"
 #include "io/stores/folder_store.h"
 #include "io/zarr/metadata/zarr_folder.h"
 #include "src/base/error.h"
@@ -47,6 +48,8 @@ ChunkedVolume zarrVolume(const StorePlace& folder) {
   volume.header_bytes = found.header_bytes;
   volume.notes = std::move(found.notes);
   const ZarrImage image = volume.image = std::move(found.image);
+  if (std::string note = negativeSpacingNote(volume.said_by, image.scale); !note.empty())
+    volume.notes.push_back(std::move(note));
   volume.open = [folder, array = found.array_folder, levels = image.levels, is_v3](size_t level) {
     return openZarrArray(level == 0 ? array : folder.at(levels[level]), is_v3);
   };

@@ -103,6 +103,14 @@ TEST(MetaImageHeaderTest, namesKeysThatAreMisspeltAndNoOthers) {
     EXPECT_EQ(parse(headerWith(known, "7")).layout.notes.size(), 0U) << known;
 }
 
+TEST(MetaImageHeaderTest, aNegativeSpacingIsWarnedOf) {
+  const VolumeLayout layout = parse(headerWith("ElementSpacing", "1 -2 3")).layout;
+  expectNear(layout.axes[1], {0, -1, 0});
+  ASSERT_EQ(layout.notes.size(), 1U);
+  EXPECT_THAT(layout.notes[0], testing::StartsWith("v.mha: its spacing is 1 x -2 x 3: an axis of "
+                                                   "negative spacing runs the other way"));
+}
+
 TEST(MetaImageHeaderTest, olderKeysStandIn) {
   const VolumeDescription d = parse(
       "NDims = 2\nDimSize = 5 4\nElementSize = 2 3\nPosition = 7 8\nOrientation = 0 1 1 0\n"

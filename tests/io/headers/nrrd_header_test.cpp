@@ -71,6 +71,9 @@ TEST(NrrdHeaderTest, spacingsGiveTheSteps) {
   const VolumeLayout layout = parse(headerWith("spacings", "2 nan -0.5")).layout;
   expectNear(layout.spacing, {2, 1, 0.5});
   expectNear(layout.axes[2], {0, 0, -1});
+  EXPECT_THAT(layout.notes,
+              testing::ElementsAre(HasSubstr("its spacing along axis 1 is nan"),
+                                   HasSubstr("its spacing is 2 x 1 x -0.5: an axis of negative")));
 }
 
 // teem's nrrdSpacingCalculate and nrrdOriginCalculate: 5 x 4 x 3 voxels between the ends.

@@ -66,6 +66,20 @@ TEST_F(TiffPages, aShapeWithoutAxesAndNoDataOfIntegersAreWarnedOf) {
                                          HasSubstr("(GDAL_NODATA)"))));
 }
 
+TEST(TiffDescription, lengthsThatAreNoneAreWarnedOf) {
+  EXPECT_THAT(
+      parseTiffDescription("ImageJ=1.53t\nimages=3\nslices=3\nunit=um\nspacing=nan\n", 3, 1, 1)
+          .notes,
+      testing::ElementsAre(HasSubstr("a spacing of nan, which is no length: 1 is used")));
+  EXPECT_THAT(
+      parseTiffDescription(
+          "<OME><Image><Pixels DimensionOrder=\"XYZCT\" SizeX=\"4\" SizeY=\"4\" SizeZ=\"2\" "
+          "SizeC=\"1\" SizeT=\"1\" PhysicalSizeX=\"-2\" PhysicalSizeZ=\"1\"/></Image></OME>",
+          2, 0, 0)
+          .notes,
+      testing::ElementsAre(HasSubstr("a PhysicalSizeX of -2, which is no length")));
+}
+
 TEST(TiffDescription, aShapeThatDoesNotFitThePagesIsWarnedOf) {
   const auto notes = [](const char* text, int64_t pages) {
     return parseTiffDescription(text, pages, 0, 0).notes;

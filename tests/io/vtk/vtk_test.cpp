@@ -170,6 +170,17 @@ TEST_F(Vtk, wrongFilesAreNamed) {
   }
 }
 
+TEST(VtkImage, aNegativeSpacingIsWarnedOf) {
+  const TempFolder folder;
+  const auto path = folder.write(
+      "v.vtk",
+      "# vtk DataFile Version 3.0\nt\nASCII\nDATASET STRUCTURED_POINTS\nDIMENSIONS 2 1 2\n"
+      "SPACING 1 1 -2\nORIGIN 0 0 0\nPOINT_DATA 4\nSCALARS a short 1\nLOOKUP_TABLE default\n"
+      "1 2 3 4\n");
+  EXPECT_THAT(openVtk(path, {}, {})->layout().notes,
+              ElementsAre(HasSubstr("v.vtk: its spacing is 1 x 1 x -2")));
+}
+
 TEST(VtkImage, coloursAsTextAreRefusedWithWhatToDo) {
   const TempFolder folder;
   const auto path = folder.write(

@@ -232,6 +232,19 @@ TEST_F(ZarrDamage, identityChangesWithAChunkThatIsRewrittenInPlace) {
   }
 }
 
+TEST(Zarr, aNegativeScaleIsWarnedOf) {
+  const TempFolder folder;
+  fs::create_directories(folder / "v.zarr/0");
+  writeFile(folder / "v.zarr/0/.zarray",
+            R"({"zarr_format": 2, "shape": [2, 2, 2], "chunks": [2, 2, 2], "compressor": null,
+                "fill_value": 0, "order": "C", "filters": null, "dtype": "|u1"})");
+  writeFile(folder / "v.zarr/.zattrs",
+            R"({"multiscales": [{"axes": ["z", "y", "x"], "datasets": [{"path": "0",
+                "coordinateTransformations": [{"type": "scale", "scale": [3, 1, -1]}]}]}]})");
+  EXPECT_THAT(ZarrSource(folder / "v.zarr").layout().notes,
+              testing::ElementsAre(HasSubstr("its spacing is 3 x 1 x -1")));
+}
+
 // As xarray writes a variable with a coordinate.
 TEST(Zarr, conventionsOfAnArrayAreRead) {
   const TempFolder folder;
