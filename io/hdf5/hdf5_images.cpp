@@ -162,14 +162,14 @@ std::unique_ptr<VolumeSource> openImaris(const Hdf5Input& input, const std::stri
         textOf(file.attributes(fmt::format("/DataSetInfo/Channel {}", channel)), "Name")));
   const std::vector<Hdf5Attribute> info = file.attributes("/DataSetInfo/Image");
   stack.unit = lengthUnit(textOf(info, "Unit"));
-  Vec3d whole;  // extent of the image in the world
+  constexpr const char* kSizes[] = {"ImageSizeX", "ImageSizeY", "ImageSizeZ"};
   const int64_t levels = std::min<int64_t>(countOf(file, levelName), kMostLevels);
   for (int64_t level = 0; level < levels; ++level) {
-    const std::string name = partName(level, 0, 0);
+    // Channels may differ in size.
+    const std::string name = partName(level, 0, channelOf(stack, options.channel));
     const std::vector<Hdf5Attribute> attributes = file.attributes(name);
     Stack::Level& made = stack.levels.emplace_back();
     Vec3d size;
-    constexpr const char* kSizes[] = {"ImageSizeX", "ImageSizeY", "ImageSizeZ"};
     for (int a = 2; a >= 0; --a) {
       size[a] = numberOf(attributes, kSizes[a], fmt::format("{}:{}", path, name));
       // Chunks of Imaris reach beyond the image, whose size is in the attributes.
@@ -180,11 +180,12 @@ std::unique_ptr<VolumeSource> openImaris(const Hdf5Input& input, const std::stri
       made.factor[a] =
           static_cast<double>(finest.extents[static_cast<size_t>(2 - a)]) / std::max(1.0, size[a]);
   }
+  // The extent is the image's, so that all channels have voxels of one size.
+  const std::vector<Hdf5Attribute> of_first = file.attributes(partName(0, 0, 0));
   for (int a = 0; a < 3; ++a) {
     const double lo = numberOf(info, fmt::format("ExtMin{}", a), path);
     const double hi = numberOf(info, fmt::format("ExtMax{}", a), path);
-    const double step = (hi - lo) / static_cast<double>(std::max<int64_t>(
-                                        1, stack.levels[0].extents[static_cast<size_t>(2 - a)]));
+    const double step = (hi - lo) / std::max(1.0, numberOf(of_first, kSizes[a], path));
     stack.steps[static_cast<size_t>(a)] = Vec3d{};
     stack.steps[static_cast<size_t>(a)][a] = step;
     stack.origin[a] = lo + step / 2;

@@ -37,7 +37,8 @@ def letters(group, **texts):
         group.attrs[name] = np.frombuffer(str(text).encode(), "S1")
 
 
-def imaris(path):
+def imaris(path, cut=0):
+    """`cut`: voxels that channel 1 has less along x."""
     with h5py.File(path, "w") as file:
         for level, values in enumerate((fine, coarse)):
             for t in range(TIMES):
@@ -47,7 +48,7 @@ def imaris(path):
                     padded[tuple(slice(n) for n in part.shape)] = part
                     group = file.create_group(f"DataSet/ResolutionLevel {level}/TimePoint {t}/Channel {c}")
                     group.create_dataset("Data", data=padded, chunks=(8, 8, 8), compression="gzip")
-                    letters(group, ImageSizeX=part.shape[2], ImageSizeY=part.shape[1], ImageSizeZ=part.shape[0])
+                    letters(group, ImageSizeX=part.shape[2] - cut * c, ImageSizeY=part.shape[1], ImageSizeZ=part.shape[0])
         letters(file.create_group("DataSetInfo/Image"), X=14, Y=12, Z=10, Unit="um", ExtMin0="1.0", ExtMax0="8.0", ExtMin1="0", ExtMax1="6",
                 ExtMin2="-5", ExtMax2="15")
         for c, name in enumerate(("DAPI", "GFP")):
@@ -86,6 +87,7 @@ def xml(path, loader, affines=("0.5 0 0 1 0 0.5 0 2 0 0 2 3",), second=None):
 
 
 imaris(os.path.join(root, "image.ims"))
+imaris(os.path.join(root, "cut.ims"), cut=1)
 bdv_hdf5(os.path.join(root, "bdv.h5"))
 bdv_n5(os.path.join(root, "bdv.n5"))
 HDF5 = '<ImageLoader format="bdv.hdf5"><hdf5 type="relative">bdv.h5</hdf5></ImageLoader>'

@@ -197,6 +197,26 @@ TEST(PackCommand, aScalingOfTheValuesIsTold) {
   EXPECT_EQ(read.output, "('z', 'y', 'x') 34.5\n");
 }
 
+// Arrays of one file may differ in type: their bytes were packed as if they were of one.
+TEST(PackCommand, channelsThatDifferAreRefused) {
+  const Program program;
+  std::string text =
+      "# vtk DataFile Version 3.0\nt\nASCII\nDATASET STRUCTURED_POINTS\nDIMENSIONS 3 3 3\n"
+      "SPACING 1 1 1\nORIGIN 0 0 0\nPOINT_DATA 27\n";
+  for (const char* array : {"pressure float", "mask unsigned_char"}) {
+    text += fmt::format("SCALARS {} 1\nLOOKUP_TABLE default\n", array);
+    for (int i = 0; i < 27; ++i) text += fmt::format("{}\n", i);
+  }
+  writeFile(program.folder / "v.vtk", text);
+  const CommandResult packed = program.run("pack v.vtk -o v.zarr");
+  EXPECT_EQ(packed.status, 1);
+  EXPECT_THAT(packed.output,
+              HasSubstr("v.vtk: channel 1 has voxels of u8, the first of f32: a store has channels "
+                        "that are alike; pack each with --channel\n"));
+  EXPECT_FALSE(program.exists("v.zarr.partial"));
+  EXPECT_EQ(program.run("pack v.vtk -o m.zarr --channel mask").status, 0);
+}
+
 // Each channel's index was opened with all of the warnings.
 TEST(PackCommand, aWarningOfSeveralChannelsIsPrintedOnce) {
   const Program program;

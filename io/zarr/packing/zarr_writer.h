@@ -55,8 +55,9 @@ struct PackReport {
 // whatever other channels its file has.
 using ChannelSources = std::span<VolumeSource* const>;
 
-// The decoded bytes of all channels and time steps. Throws Error if they have more voxels than a
-// store may have, 2^59; files of a series may each have as many.
+// The decoded bytes of all channels and time steps. Throws Error if the channels differ in size,
+// type, place or scaling of values, or have more voxels than a store may have, 2^59; files of a
+// series may each have as many.
 uint64_t packedBytes(ChannelSources channels);
 
 // Writes all channels and time steps, the stored values as they are, to the folder `output`

@@ -5,6 +5,7 @@
 
 #include "io/hdf5/bdv_xml.h"
 #include "io/open_volume.h"
+#include "io/zarr/packing/zarr_writer.h"
 #include "src/base/sources/volume_channels.h"
 #include "src/base/sources/volume_levels.h"
 #include "tests/io/python_volumes.h"
@@ -77,6 +78,19 @@ TEST_F(Microscopes, placesUnitsAndNamesAreRead) {
   const VolumeLayout turned = open("turned.xml")->layout();
   EXPECT_THAT(turned.axes, ElementsAre(Vec3d{0, 1, 0}, Vec3d{-1, 0, 0}, Vec3d{0, 0, 1}));
   EXPECT_EQ(coarserLevels(*open("turned.xml"))[0].placement.offset, (Vec3d{0.5, 0.5, 0.5}));
+}
+
+// Packed as one array, they lost voxels or got those beyond their own.
+TEST_F(Microscopes, channelsMayDifferInSizeAndAreNotPackedTogether) {
+  const auto first = open("cut.ims", 0), second = open("cut.ims", 1);
+  EXPECT_EQ(first->layout().dims, (Vec3i{14, 12, 10}));
+  EXPECT_EQ(second->layout().dims, (Vec3i{13, 12, 10}));
+  EXPECT_EQ(second->layout().spacing, first->layout().spacing);
+  const std::vector<VolumeSource*> channels{first.get(), second.get()};
+  EXPECT_THAT(errorOf([&] { packedBytes(channels); }),
+              HasSubstr("cut.ims: channel 1 has 13 x 12 x 10 voxels in 3 time steps, the first 14 "
+                        "x 12 x 10 in 3: a store has channels that are alike; pack each with "
+                        "--channel"));
 }
 
 TEST_F(Microscopes, wrongFilesAreOneLine) {
