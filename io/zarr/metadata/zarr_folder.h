@@ -27,9 +27,9 @@ struct FoundZarr {
   std::vector<std::string> identities, header_paths;  // of the metadata files that were read
   uint64_t header_bytes = 0;
   std::vector<std::string> notes;  // for people, one line each
-  std::string said_by;       // the file that names the axes, or else the array's own
-  bool is_image = false;     // the folder is an image's, the array its level 0
-  bool is_version3 = false;  // the image's metadata are
+  std::string said_by;             // the file that names the axes, or else the array's own
+  bool is_image = false;           // the folder is an image's, the array its level 0
+  bool is_version3 = false;        // the image's metadata are
 
   // Counts the file among those that were read.
   void take(const ZarrHeader& header);
