@@ -144,13 +144,25 @@ void placeByScales(const Hdf5Description& description, const std::string& name, 
   const size_t added = image.axes.size() - description.shape.size();
   std::vector<size_t> placed;
   std::vector<std::string> units;
-  for (size_t i = 0; i < description.scales.size(); ++i)
-    if (isSpace(image.axes[added + i]) && !description.scales[i].values.empty()) {
-      placed.push_back(i);
-      units.push_back(unitOf(description.scales[i]));
-    }
-  if (placed.empty()) return;
   const auto isLength = [](const std::string& unit) { return metersOf(unit).has_value(); };
+  const auto addPlaced = [&](bool is_long) {
+    for (size_t i = 0; i < description.scales.size(); ++i) {
+      const Hdf5Scale& scale = description.scales[i];
+      if (!isSpace(image.axes[added + i]) || scale.values.empty() ||
+          (scale.values.size() > 1) != is_long)
+        continue;
+      const std::string unit = unitOf(scale);
+      // A single layer may have any height, such as 2 m above degrees.
+      const bool fits = is_long || units.empty() || unit == units.front() ||
+                        (isLength(unit) && isLength(units.front()));
+      if (!fits) continue;
+      placed.push_back(i);
+      units.push_back(unit);
+    }
+  };
+  addPlaced(true);
+  addPlaced(false);
+  if (placed.empty()) return;
   if (std::ranges::adjacent_find(units, std::not_equal_to<>()) != units.end() &&
       !std::ranges::all_of(units, isLength)) {
     for (std::string& unit : units)
@@ -174,7 +186,8 @@ void placeByScales(const Hdf5Description& description, const std::string& name, 
                                         printable(scale.path, 200), steps.note));
   }
   for (size_t a = added; a < image.axes.size(); ++a)
-    if (isSpace(image.axes[a]) && description.scales[a - added].values.empty()) {
+    if (isSpace(image.axes[a]) && description.scales[a - added].values.empty() &&
+        description.shape[a - added] > 1) {
       image.axes[a].unit = units.front();
       found.notes.push_back(
           fmt::format("{}: its axis {} has no coordinates; its voxels are drawn 1 apart along it",

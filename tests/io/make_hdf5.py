@@ -147,6 +147,7 @@ grid("uneven.nc", [("z", [1.0, 2, 5], {}), ("y", Y[1], {}), ("x", X[1], {})], fl
 grid("pressure.nc", [("lev", [1000.0, 500, 1], {"units": "hPa"}), ("lat", Y[1], NORTH), ("lon", X[1], EAST)], floats)
 grid("degrees.nc", [("lev", 3, {}), ("lat", Y[1], NORTH), ("lon", X[1], EAST)], floats)
 grid("hours.nc", [("t0", [6.0], {"units": "hours since 1900-01-01"}), Z, Y, X], floats[None])
+grid("layer.nc", [("height", [2.0], {"units": "m"}), ("lat", Y[1], NORTH), ("lon", X[1], EAST)], floats[:1])
 masked = floats.copy()
 masked[1] = -999
 grid("masked.nc", [Z, Y, X], masked, _FillValue=np.float32(-999), missing_value=np.float32(-999))

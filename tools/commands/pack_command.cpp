@@ -285,7 +285,8 @@ Command addPack(CLI::App& program) {
       "  sluice pack --check head.zarr\n\n"
       "If a run is interrupted, give the same command again: it continues where the run stopped.\n"
       "Until the store is complete, it is called DIR.zarr.partial. Each chunk has a checksum,\n"
-      "which sluice compares whenever it reads the chunk.");
+      "which sluice compares whenever it reads the chunk. Voxels are stored as they are: a factor\n"
+      "and an offset that lead to their values go with them (scale_factor, add_offset).");
   addVolumeOptions(*app, arguments->volume);
   app->remove_option(app->get_option("--time"));  // all of them are packed
   const OptionGroup store(*app, "Store");

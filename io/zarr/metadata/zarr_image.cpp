@@ -6,6 +6,7 @@
 
 #include "io/files/length_unit.h"
 #include "io/headers/volume_description.h"
+#include "io/zarr/metadata/cf_attributes.h"
 #include "io/zarr/metadata/omero_channels.h"
 #include "src/base/error.h"
 #include "src/base/files/json_field.h"
@@ -194,24 +195,6 @@ void parseOwn(const JsonField& own, ZarrImage& image) {
   if (const auto frame = own.find("frame")) image.frame = parseFrame(*frame);
 }
 
-// Attributes of the CF conventions. Those that are no numbers may mean anything.
-void parseConventions(const JsonField& attributes, ZarrImage& image) {
-  const auto numbersOf = [&](const char* key) {
-    std::vector<double> found;
-    const auto field = attributes.find(key);
-    if (!field) return found;
-    if (field->isNumber()) found.push_back(field->number());
-    for (size_t i = 0; field->isArray() && i < field->size(); ++i)
-      if ((*field)[i].isNumber()) found.push_back((*field)[i].number());
-    return found;
-  };
-  if (const auto scale = numbersOf("scale_factor"); scale.size() == 1) image.value_scale = scale[0];
-  if (const auto offset = numbersOf("add_offset"); offset.size() == 1)
-    image.value_offset = offset[0];
-  for (const char* key : {"_FillValue", "missing_value"})
-    for (const double number : numbersOf(key)) image.missing.push_back(number);
-}
-
 // `ome`: what OME-Zarr says of the image, `attributes` itself before version 0.5.
 void parseAttributes(const JsonField& attributes, const JsonField& ome, const std::string& level,
                      ZarrImage& image) {
@@ -220,7 +203,7 @@ void parseAttributes(const JsonField& attributes, const JsonField& ome, const st
     parseMultiscale((*multiscales)[0], level, image);
   } else {
     if (const auto names = attributes.find("_ARRAY_DIMENSIONS")) image.axes = parseAxes(*names);
-    parseConventions(attributes, image);
+    parseCfAttributes(attributes, image);
   }
   if (const auto omero = ome.find("omero")) {
     image.channels = omeroNames(*omero);

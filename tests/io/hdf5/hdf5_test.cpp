@@ -106,6 +106,9 @@ TEST_F(Hdf5, positionsThatASpacingCannotTellAreWarnedOf) {
   EXPECT_EQ(degrees.spacing, (Vec3d{0.25, 0.5, 1}));
   EXPECT_EQ(degrees.unit, "degree");
   EXPECT_THAT(degrees.notes, ElementsAre(HasSubstr("its axis lev has no coordinates")));
+  const VolumeLayout layer = open("layer.nc")->layout();
+  EXPECT_EQ(layer.spacing, (Vec3d{0.25, 0.5, 1}));
+  EXPECT_THAT(layer.notes, testing::IsEmpty());
 }
 
 // Floats of these numbers are NaN (dataSetsAreReadAsTheyWereWritten).

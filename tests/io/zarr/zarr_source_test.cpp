@@ -268,13 +268,16 @@ TEST(Zarr, conventionsOfAnArrayAreRead) {
       integers.layout().notes,
       testing::ElementsAre(testing::HasSubstr("s.zarr/x) are not read"),
                            testing::HasSubstr("voxels of the value -489.5 stand for missing")));
-  write("<f4", R"({"_FillValue": -999})");
-  ZarrSource floats(array);
-  EXPECT_THAT(floats.layout().notes, testing::IsEmpty());
-  const std::vector<std::byte> voxels = readAll(floats);  // of a chunk that is not there
-  float first = 0;
-  std::memcpy(&first, voxels.data(), sizeof first);
-  EXPECT_TRUE(std::isnan(first));
+  // Python: base64.b64encode(struct.pack("<d", -999)).
+  for (const char* number : {"-999", "[-998, -999]", "\"AAAAAAA4j8A=\""}) {
+    write("<f4", fmt::format(R"({{"_FillValue": {}}})", number));
+    ZarrSource floats(array);
+    EXPECT_THAT(floats.layout().notes, testing::IsEmpty());
+    const std::vector<std::byte> voxels = readAll(floats);  // of a chunk that is not there
+    float first = 0;
+    std::memcpy(&first, voxels.data(), sizeof first);
+    EXPECT_TRUE(std::isnan(first)) << number;
+  }
 }
 
 TEST(Zarr, aFolderThatIsNoImageSaysWhatItHolds) {
