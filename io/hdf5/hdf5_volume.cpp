@@ -32,6 +32,15 @@ VoxelType unsignedOf(VoxelType type) {
   }
 }
 
+// Tells apart indices of volumes whose axes are taken differently.
+std::string axesText(const ZarrImage& image) {
+  std::string text;
+  for (const ZarrAxis& axis : image.axes)
+    text += fmt::format("{}{}", text.empty() ? "axes " : ",",
+                        printable(axis.name + (axis.type.empty() ? "" : " " + axis.type)));
+  return text;
+}
+
 // Voxels in one piece with x fastest, read where they lie; null: they are not.
 std::unique_ptr<VolumeSource> inPlace(const std::shared_ptr<File>& file,
                                       const Hdf5Description& description, const ZarrArray& array,
@@ -111,7 +120,7 @@ std::unique_ptr<VolumeSource> openHdf5(const std::string& path, const std::strin
   volume.title = std::filesystem::path(set_path).filename().string();
   volume.image = found.image;
   volume.notes = found.notes;
-  volume.identities = {"hdf5 " + set_path};
+  volume.identities = {fmt::format("hdf5 {}|{}", set_path, axesText(volume.image))};
   volume.places = {path};
 
   ZarrView view = viewZarr(array, volume.image, options.channel.given(), name);
@@ -126,8 +135,8 @@ std::unique_ptr<VolumeSource> openHdf5(const std::string& path, const std::strin
     if (const std::string note = missingValuesNote(volume.image.missing, layout); !note.empty())
       layout.notes.push_back(name + ": " + note);
     chooseChannel(name, options.channel, {}, layout);
-    std::string identity =
-        fmt::format("{}|hdf5 {}|channel {}", input.file->identity(), set_path, layout.channel);
+    std::string identity = fmt::format("{}|hdf5 {}|{}|channel {}", input.file->identity(), set_path,
+                                       axesText(volume.image), layout.channel);
     if (auto source = inPlace(input.file, description, array, view, std::move(layout), identity))
       return source;
   }

@@ -34,6 +34,7 @@ struct PictureFormat {
   // The most bytes that the picture holds while it is open and read: decoders, rows, a strip.
   uint64_t open_bytes = 0;
   std::vector<std::string> notes;  // for VolumeLayout, without the file's name
+  std::vector<double> blanked;     // numbers that are read as NaN, see missing_values.h
 
   static constexpr int64_t kMaxSide = 1'000'000;
 };

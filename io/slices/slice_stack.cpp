@@ -236,6 +236,8 @@ class SliceStack final : public VolumeSource,
     }
     chooseChannel(first, options.channel, format_.order.channel_names, layout_);
     if (layout_.channels > 1) identity_ += fmt::format("|channel {}", layout_.channel);
+    if (!format_.blanked.empty())
+      identity_ += fmt::format("|without {}", fmt::join(format_.blanked, ", "));
     if (const auto gap = gapNote(files_); gap && !is_described_) layout_.notes.push_back(*gap);
   }
 

@@ -183,6 +183,7 @@ class TiffPicture final : public SlicePicture {
 
   void noteColors() {
     const TiffPage& p = pages_[0];
+    format_.blanked = blankedNumbers(format_.type, missingOf(p));
     VolumeLayout layout;
     layout.type = format_.type;
     // Integers that are converted have other values.
