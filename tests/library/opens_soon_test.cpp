@@ -73,6 +73,23 @@ TEST_F(OpensSoon, aPictureReadsNothingOfLevelZero) {
   EXPECT_THAT(errorOf([&] { Volume(path, patient); }), HasSubstr("ball.zarr/0"));
 }
 
+// A row of coarse cells is told by its ends, which lie outside of a crop within the ball.
+TEST_F(OpensSoon, aCropIsFittedToWhatShowsInIt) {
+  const Volume volume(write(ball_), options());
+  Renderer renderer(volume, kBallLook, machine());
+  for (const int side : {41, 9, 3}) {
+    const Vec3i lo = Vec3i{400, 250, 260} - Vec3i{side / 2, side / 2, side / 2};
+    PictureOptions picture = whole();
+    picture.view.fit = ViewOptions::Fit::kVisible;
+    picture.crop = {{{lo.x, lo.y, lo.z}, {lo.x + side, lo.y + side, lo.z + side}}};
+    // The cube's face, with the margin of a fit.
+    const double face = 0.9375 * kBallSide;
+    EXPECT_NEAR(static_cast<double>(visiblePixels(renderer.draw(picture).toRgba8())), face * face,
+                0.05 * face * face)
+        << side;
+  }
+}
+
 TEST_F(OpensSoon, thePictureIsThatOfTheProgramAtTheSamePixelError) {
   const std::string path = write(ball_);
   const Volume volume(path, options());

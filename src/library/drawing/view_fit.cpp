@@ -8,13 +8,25 @@
 namespace sluice {
 namespace {
 
+// The cells of the level, of `all`, that show within these finest cells: those beyond the level's
+// outermost voxels show the outermost cells. Requires: neither is empty.
+Box3 cellsUnder(const LevelLayout& level, const Box3& finest_cells, const Box3& all) {
+  const Box3 voxels = level.voxelsUnder(finest_cells);
+  const Vec3i one{1, 1, 1};
+  const Vec3i lo = max(all.lo, min(voxels.lo, all.hi - one));
+  return {lo, max(lo + one, min(voxels.hi - one, all.hi))};
+}
+
 // The cells of a coarse level that can show anything, among the finest ones. Beyond its outermost
 // voxels the level shows their values.
 std::vector<Box3> cellsOfStandIn(const LevelLayout& level, const IndexedRanges& index,
                                  const TransferFunction& transfer, const Box3& crop) {
   const Box3 all = boxOf(level.blocks.dims - Vec3i{1, 1, 1});
   std::vector<Box3> boxes;
-  for (const Box3& cells : visibleCells(index.ranges, index.bricks, transfer, all)) {
+  if (crop.empty()) return boxes;
+  // The crop comes first: of cells in a row, the ends alone are told.
+  const Box3 inside = cellsUnder(level, crop, all);
+  for (const Box3& cells : visibleCells(index.ranges, index.bricks, transfer, inside)) {
     Box3 box = level.cellsOver(cells);
     for (int a = 0; a < 3; ++a) {
       if (cells.lo[a] == all.lo[a]) box.lo[a] = crop.lo[a];
