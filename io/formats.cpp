@@ -187,7 +187,8 @@ Source joinVdb(const std::vector<std::string>& files, const OpenOptions& options
   std::map<std::string, Box3> box_of;
   for (size_t i = 0; i < files.size(); ++i) box_of[files[i]] = boxes[i];
   return std::make_unique<SequenceSource>(
-      files, [grid = options.grid, spacing = options.spacing, box_of](const std::string& file) {
+      files, [grid = options.grid, spacing = options.spacing, box_of](
+                 const std::string& file, const std::optional<ChannelWish>& /*channel*/) {
         return respaced(openVdb(file, grid, box_of.at(file)), spacing);
       });
 }

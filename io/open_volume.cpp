@@ -33,7 +33,11 @@ std::unique_ptr<VolumeSource> openSeveral(const std::vector<std::string>& files,
     return joined;
   }
   return std::make_unique<SequenceSource>(
-      files, [options](const std::string& file) { return openOne(file, options); });
+      files, [options](const std::string& file, const std::optional<ChannelWish>& channel) {
+        OpenOptions of_step = options;
+        if (channel) of_step.channel = *channel;
+        return openOne(file, of_step);
+      });
 }
 
 // Sparse files may describe a volume of any size. Its voxels are counted in many places.

@@ -33,6 +33,18 @@ bool isClose(Vec3d a, Vec3d b, double scale) {
   return length(a - b) <= kTolerance * scale;
 }
 
+// The channel that the first step reads, as the others find it; nullopt if it has no name of its
+// own.
+std::optional<ChannelWish> channelOfSeries(const VolumeLayout& layout,
+                                           std::span<const std::string> names) {
+  const auto at = static_cast<size_t>(layout.channel);
+  if (at >= names.size() || names[at].empty() || std::ranges::count(names, names[at]) > 1)
+    return std::nullopt;
+  ChannelWish wish(std::nullopt, names[at]);
+  wish.is_of_series = true;
+  return wish;
+}
+
 }  // namespace
 
 SequenceSource::SequenceSource(std::vector<std::string> steps, Opener opener, size_t max_open_files)
@@ -40,19 +52,21 @@ SequenceSource::SequenceSource(std::vector<std::string> steps, Opener opener, si
       opener_(std::move(opener)),
       max_open_files_(std::max<size_t>(max_open_files, 1)) {
   SLUICE_CHECK(!steps_.empty());
-  std::shared_ptr<VolumeSource> first = opener_(steps_[0]);
+  std::shared_ptr<VolumeSource> first = opener_(steps_[0], std::nullopt);
   layout_ = first->layout();
   checkAgrees(steps_[0], layout_);
   layout_.time_steps = static_cast<int64_t>(steps_.size());
   // The first file's range says nothing of the others.
   layout_.stored_range.reset();
   if (const auto gap = gapNote({steps_.begin(), steps_.end()})) layout_.notes.push_back(*gap);
+  const std::span<const std::string> names = sluice::channelNames(*first);
+  channel_names_.assign(names.begin(), names.end());
+  channel_ = channelOfSeries(layout_, names);
   // The files' states alone do not tell how they are read (dims given by the user); the first
   // volume's identity does.
   identity_ = "sequence|" + identityOfSteps(*first) + "|first: " + first->identity();
+  if (channel_) identity_ += "|channel called " + channel_->name;
   held_bytes_a_thread_ = first->heldBytesAThread();
-  const std::span<const std::string> names = sluice::channelNames(*first);
-  channel_names_.assign(names.begin(), names.end());
   const std::span<const StoredLook> looks = sluice::channelLooks(*first);
   channel_looks_.assign(looks.begin(), looks.end());
   open_.push_front({0, std::move(first)});
@@ -69,12 +83,20 @@ std::string SequenceSource::identityOfSteps(VolumeSource& first) const {
     std::move(of_step.begin(), of_step.end(), std::back_inserter(files));
     // The listing of a store, or of a folder of folders, tells nothing of its voxels.
     if (!of_step.empty()) continue;
-    of_folders.add(opener_(step)->identity());
+    of_folders.add(openStep(step)->identity());
     has_folders = true;
   }
   std::string identity = files.empty() ? "" : fileIdentity(files);
   if (has_folders) identity += fmt::format("|folders {:016x}", of_folders.value());
   return identity;
+}
+
+std::unique_ptr<VolumeSource> SequenceSource::openStep(const std::string& path) const {
+  if (layout_.channels > 1) return opener_(path, channel_);
+  std::unique_ptr<VolumeSource> source = opener_(path, std::nullopt);
+  // Single channels may have a name of their own in each step.
+  if (channel_ && source->layout().channels > 1) source = opener_(path, channel_);
+  return source;
 }
 
 void SequenceSource::holdAtMost(uint64_t bytes) {
@@ -122,7 +144,7 @@ std::shared_ptr<VolumeSource> SequenceSource::at(int64_t time) {
   // The file is opened without the lock: another thread may do the same, and the first to finish
   // stays.
   const std::string& path = steps_[static_cast<size_t>(time)];
-  std::shared_ptr<VolumeSource> source = opener_(path);
+  std::shared_ptr<VolumeSource> source = openStep(path);
   checkAgrees(path, source->layout());
   const MutexLock lock(mutex_);
   // Another thread was faster; what this one has read is counted.

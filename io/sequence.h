@@ -1,7 +1,8 @@
 // SequenceSource: files of one layout as the time steps of one volume.
 //
 // The first file is opened at once and gives the layout; the others when they are read, a bounded
-// number at a time. Reads run on any number of threads at once.
+// number at a time. If the first file names its channel, and no other channel so, each step has the
+// channel of that name, whatever its number there. Reads run on any number of threads at once.
 #pragma once
 
 #include <atomic>
@@ -9,10 +10,12 @@
 #include <functional>
 #include <list>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "io/files/channel_choice.h"
 #include "src/base/sources/volume_channels.h"
 #include "src/base/sources/volume_source.h"
 #include "src/base/threads/mutex.h"
@@ -21,8 +24,10 @@ namespace sluice {
 
 class SequenceSource final : public VolumeSource, public ChanneledSource {
  public:
-  // Opens the volume of one time step. Called from any thread.
-  using Opener = std::function<std::unique_ptr<VolumeSource>(const std::string& path)>;
+  // Opens the volume of one time step. `channel`: to be read in place of the one that the user
+  // asked for. Called from any thread.
+  using Opener = std::function<std::unique_ptr<VolumeSource>(
+      const std::string& path, const std::optional<ChannelWish>& channel)>;
   static constexpr size_t kMaxOpenFiles = 8;
 
   // Opens steps[0]. At most `max_open_files` others stay open, more only while threads read them.
@@ -34,15 +39,15 @@ class SequenceSource final : public VolumeSource, public ChanneledSource {
   // The first file's layout with time_steps set; a stored range is left out, as the other files may
   // exceed it.
   const VolumeLayout& layout() const override { return layout_; }
-  // Throws Error if a file's size, type, place or scaling differs from the first one's. All steps
-  // of microscopy lie where the first one does.
+  // Throws Error if a file's size, type, place or scaling differs from the first one's, or if it
+  // has no channel of the first one's name. All steps of microscopy lie where the first one does.
   void readRegion(int64_t time, const Box3& box, std::span<std::byte> out) override;
   void readRegions(int64_t time, std::span<const RegionRead> regions) override;
   void expectRegion(int64_t time, const Box3& box) override;
   std::optional<Occupancy> occupancy(int64_t time) override;
   // Covers all files as they were at the opening.
   std::string identity() const override { return identity_; }
-  // Names from the first file.
+  // Names from the first file. Other steps may have them in another order.
   std::span<const std::string> channelNames() const override { return channel_names_; }
   // Looks from the first file.
   std::span<const StoredLook> channelLooks() const override { return channel_looks_; }
@@ -62,6 +67,8 @@ class SequenceSource final : public VolumeSource, public ChanneledSource {
   // Tells the states of all steps apart: of their files, or of the volumes in folders whose files
   // are not theirs alone.
   std::string identityOfSteps(VolumeSource& first) const;
+  // Opens a step with the first one's channel. Requires: layout_ and channel_ are known.
+  std::unique_ptr<VolumeSource> openStep(const std::string& path) const;
   // The volume of a step, opened if need be.
   std::shared_ptr<VolumeSource> at(int64_t time);
   void checkAgrees(const std::string& path, const VolumeLayout& other) const;
@@ -73,6 +80,7 @@ class SequenceSource final : public VolumeSource, public ChanneledSource {
   VolumeLayout layout_;                     // constant after construction
   std::string identity_;                    // constant after construction
   std::vector<std::string> channel_names_;  // constant after construction
+  std::optional<ChannelWish> channel_;      // constant after construction; for opener_
   std::vector<StoredLook> channel_looks_;   // constant after construction
   uint64_t held_bytes_a_thread_ = 0;        // constant after construction
 

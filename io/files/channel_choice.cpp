@@ -91,6 +91,11 @@ void chooseChannel(const std::string& path, const ChannelWish& wish,
                    std::span<const std::string> names, VolumeLayout& layout) {
   if (wish.number) requireNumber(path, *wish.number, layout.channels);
   layout.channel = wish.number.value_or(0);
+  if (wish.is_of_series && std::ranges::count(names, wish.name) != 1)
+    fail(
+        "{}: expected a channel called {} as in the first time step, found {}; all time steps "
+        "must have it once",
+        path, wish.name, listed(0, layout.channels, names));
   if (!wish.number && wish.given())
     layout.channel = numberOf(path, wish.name, names, layout.channels);
   if (wish.given() || layout.channels < 2) return;

@@ -19,12 +19,13 @@ struct ChannelWish {
   std::string name = {};
   // The volume lies over another one (--over), of which the first channel is read.
   bool is_over = false;
+  // The name is the first time step's, and not the user's.
+  bool is_of_series = false;
 
   ChannelWish() = default;
   ChannelWish(int64_t wanted) : number(wanted) {}
   ChannelWish(std::optional<int64_t> wanted, std::string wanted_name)
       : number(wanted), name(std::move(wanted_name)) {}
-
   bool given() const { return number || !name.empty(); }
   // The text as written after --channel.
   std::string text() const { return number ? std::to_string(*number) : name; }

@@ -4,6 +4,7 @@
 
 #include <thread>
 
+#include "io/open_volume.h"
 #include "tests/io/image_test_support.h"
 #include "tests/support/memory_source.h"
 
@@ -47,7 +48,8 @@ struct Steps {
     }
   }
   SequenceSource::Opener opener() {
-    return [this](const std::string& path) -> std::unique_ptr<VolumeSource> {
+    return [this](const std::string& path,
+                  const std::optional<ChannelWish>& /*channel*/) -> std::unique_ptr<VolumeSource> {
       ++openings;
       const std::string text = readFile(path);
       VolumeLayout layout = changed && path == files[2] ? *changed : layoutOf({2, 2, 1});
@@ -114,6 +116,70 @@ TEST(Sequence, namesTheFileThatDiffers) {
     EXPECT_THAT(errorOf([&] { readAll(source, 2); }),
                 AllOf(HasSubstr(steps.files[2]), HasSubstr(words)));
   }
+}
+
+// An image of VTK of 2 x 2 x 2 points, whose arrays have these names and are full of these numbers.
+std::string imageOf(const std::vector<std::pair<std::string, int>>& arrays) {
+  std::string text =
+      R"(<VTKFile type="ImageData"><ImageData WholeExtent="0 1 0 1 0 1"><Piece Extent="0 1 0 1 0 1">)"
+      "<PointData>";
+  for (const auto& [name, number] : arrays) {
+    text += fmt::format(R"(<DataArray type="UInt8" Name="{}" format="ascii">)", name);
+    for (int i = 0; i < 8; ++i) text += fmt::format("{} ", number);
+    text += "</DataArray>";
+  }
+  return text + "</PointData></Piece></ImageData></VTKFile>";
+}
+
+TEST(Sequence, aChannelIsThatOfItsNameInEachStep) {
+  const TempFolder folder;
+  writeFile(folder / "s_0.vti", imageOf({{"p", 10}, {"q", 20}}));
+  writeFile(folder / "s_1.vti", imageOf({{"q", 21}, {"r", 31}, {"p", 11}}));
+  writeFile(folder / "s_2.vti", imageOf({{"q", 22}, {"r", 32}}));
+  writeFile(folder / "s_3.vti", imageOf({{"p", 13}, {"p", 23}}));
+  const std::string series = (folder / "s_%d.vti").string();
+  const auto valueOf = [&](const ChannelWish& channel, int64_t time) {
+    return static_cast<int>(readAll(*openVolume(series, {.channel = channel}), time).front());
+  };
+  for (const ChannelWish& p : {ChannelWish(), ChannelWish(0), ChannelWish(std::nullopt, "p")}) {
+    EXPECT_EQ(valueOf(p, 0), 10);
+    EXPECT_EQ(valueOf(p, 1), 11);
+    EXPECT_THAT(errorOf([&] { valueOf(p, 2); }),
+                AllOf(HasSubstr("s_2.vti: expected a channel called p as in the first time step"),
+                      HasSubstr("0 (q), 1 (r)")));
+    EXPECT_THAT(errorOf([&] { valueOf(p, 3); }), HasSubstr("must have it once"));
+  }
+  for (const ChannelWish& q : {ChannelWish(1), ChannelWish(std::nullopt, "q")})
+    for (const int64_t time : {0, 1, 2}) EXPECT_EQ(valueOf(q, time), 20 + time);
+  // An index tells the channels apart by their numbers in the first step.
+  EXPECT_EQ(openVolume(series, {.channel = 1})->layout().channel, 1);
+  EXPECT_EQ(openVolume(series, {.channel = ChannelWish(std::nullopt, "q")})->layout().channel, 1);
+}
+
+TEST(Sequence, channelsWithoutNamesOfTheirOwnGoByTheirNumbers) {
+  const TempFolder folder;
+  writeFile(folder / "s_0.vti", imageOf({{"p", 10}, {"p", 20}}));
+  writeFile(folder / "s_1.vti", imageOf({{"q", 11}, {"p", 21}}));
+  writeFile(folder / "t_0.vti", imageOf({{"density 0", 30}}));
+  writeFile(folder / "t_1.vti", imageOf({{"density 1", 31}}));
+  writeFile(folder / "t_2.vti", imageOf({{"speed", 42}, {"density 0", 32}}));
+  writeFile(folder / "t_3.vti", imageOf({{"speed", 43}, {"density 3", 33}}));
+  const auto valueOf = [&](const char* series, const ChannelWish& channel, int64_t time = 1) {
+    const auto source = openVolume((folder / series).string(), {.channel = channel});
+    return static_cast<int>(readAll(*source, time).front());
+  };
+  EXPECT_EQ(valueOf("s_%d.vti", 0), 11);
+  EXPECT_EQ(valueOf("s_%d.vti", 1), 21);
+  // The only channel of each file needs no name; among several it does.
+  for (const ChannelWish& only : {ChannelWish(), ChannelWish(0)}) {
+    EXPECT_EQ(valueOf("t_%d.vti", only), 31);
+    EXPECT_EQ(valueOf("t_%d.vti", only, 2), 32);
+    EXPECT_THAT(errorOf([&] { valueOf("t_%d.vti", only, 3); }),
+                HasSubstr("expected a channel called density 0"));
+  }
+  const ChannelWish named(std::nullopt, "density 0");
+  EXPECT_EQ(valueOf("t_%d.vti", named, 2), 32);
+  EXPECT_THAT(errorOf([&] { valueOf("t_%d.vti", named); }), HasSubstr("--channel density 0"));
 }
 
 TEST(Sequence, rejectsAMissingFileAtOnce) {
