@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <fstream>
 
 #include "io/pictures/png_file.h"
 #include "tests/tools/program.h"
@@ -13,6 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using testing::HasSubstr;
+using testing::Not;
 
 constexpr const char* kSeries = "synth:mixing,dims=24x24x24,steps=4";
 
@@ -273,6 +275,60 @@ TEST(ContinuedSeries, reportsAllOfIt) {
   const nlohmann::json part = reportOf();
   EXPECT_EQ(part["frames"].size(), 1U);
   EXPECT_EQ(part["frames_not_measured"], nlohmann::json::array({"f_0.png", "f_1.png", "f_3.png"}));
+}
+
+TEST(ContinuedSeries, drawsPicturesThatAreNotWholeAgain) {
+  const Program program;
+  for (const std::string kind : {"png", "exr"}) {
+    const std::string line =
+        std::string("render ") + kSeries + " --this-step --time 0:3 -o f_%d." + kind;
+    const auto run = [&](const std::string& rest, const std::string& size = "24") {
+      return program.run(line + " --size " + size + rest);
+    };
+    ASSERT_EQ(run(" -q").status, 0);
+    std::vector<std::string> whole;
+    for (int i = 0; i < 4; ++i)
+      whole.push_back(readFile(program.folder / fmt::format("f_{}.{}", i, kind)));
+    const auto rewrite = [&](int i, const std::string& bytes) {
+      std::ofstream(program.folder / fmt::format("f_{}.{}", i, kind), std::ios::binary) << bytes;
+    };
+    // Empty, cut after its header, and without its last bytes.
+    rewrite(0, "");
+    rewrite(1, whole[1].substr(0, whole[1].size() / 2));
+    rewrite(3, whole[3].substr(0, whole[3].size() - 1));
+    const CommandResult result = run(" --continue");
+    EXPECT_EQ(result.status, 0) << result.output;
+    EXPECT_THAT(result.output, HasSubstr("3 frames, the last"));
+    for (int i = 0; i < 4; ++i)
+      EXPECT_TRUE(readFile(program.folder / fmt::format("f_{}.{}", i, kind)) ==
+                  whole[static_cast<size_t>(i)])
+          << kind << " " << i;
+    EXPECT_THAT(run(" --continue").output, HasSubstr("all 4 pictures are there"));
+    // Pictures of other options, or of another program.
+    const CommandResult other = run(" --continue", "32x24");
+    EXPECT_EQ(other.status, 1);
+    EXPECT_THAT(other.output, HasSubstr("24 x 24 pixels, expected 32 x 24"));
+    if (kind != "png") continue;
+    std::string unmarked = whole[2];
+    unmarked.replace(unmarked.find("sluice"), 6, "others");
+    rewrite(2, unmarked);
+    const CommandResult foreign = run(" --continue");
+    EXPECT_EQ(foreign.status, 1);
+    EXPECT_THAT(foreign.output, HasSubstr("f_2.png"));
+  }
+}
+
+TEST(ContinuedSeries, warnsOfPicturesOfOtherOptions) {
+  const Program program;
+  const std::string line = std::string("render ") + kSeries + " --size 24 --this-step";
+  const std::string rest = " -o f_%d.png --continue --report r.json";
+  ASSERT_EQ(program.run(line + " --threshold 50 --time 0:1" + rest).status, 0);
+  const std::string same =
+      program.run(line + " --threshold 50 --threads 1 --time 0:2" + rest).output;
+  EXPECT_THAT(same, Not(HasSubstr("warning")));
+  const std::string other = program.run(line + " --threshold 10 --time 0:3" + rest).output;
+  EXPECT_THAT(other, HasSubstr("r.json: the pictures that are there may look otherwise: their run "
+                               "had '50' for --threshold, this one has '10'"));
 }
 
 TEST(ContinuedSeries, aSignalLeavesAReportOfWhatWasDrawn) {

@@ -1,7 +1,10 @@
 #include "tools/commands/render_checks.h"
 
 #include <algorithm>
+#include <array>
+#include <filesystem>
 
+#include "io/pictures/finished_picture.h"
 #include "src/annotate/annotate.h"
 #include "src/base/error.h"
 #include "src/base/values/bytes.h"
@@ -24,16 +27,33 @@ namespace {
 
 using Arguments = RenderArguments;
 
-// The frames that are still to be drawn: pictures appear whole or not at all.
+bool isExr(const Arguments& arguments) {
+  return pictureKind(arguments.output) == PictureKind::kExr;
+}
+
+// Whether an earlier run has left the picture of a frame. A picture appears whole or not at all,
+// but a power cut or a copy may leave a part of one. Throws Error for a picture of another size,
+// which is none of this series.
+bool isDrawn(const Arguments& arguments, int64_t frame) {
+  const std::filesystem::path path = frameName(arguments, frame);
+  const auto size = sizeOfWholePicture(path);
+  // A picture of another program is left to the check of the outputs, which refuses it.
+  if (!size || !mayReplace(path, isExr(arguments) ? FileKind::kExr : FileKind::kPng)) return false;
+  const PictureSize& expected = arguments.frame.size;
+  if (*size != std::array<int64_t, 2>{expected.width, expected.height})
+    fail(
+        "{}: {} x {} pixels, expected {} x {}; --continue keeps pictures of the same options, so "
+        "remove the others or give another -o",
+        path.string(), (*size)[0], (*size)[1], expected.width, expected.height);
+  return true;
+}
+
+// The frames that are still to be drawn.
 std::vector<int64_t> framesToDraw(const Arguments& arguments) {
   std::vector<int64_t> frames;
   for (int64_t i = 0; i < frameCount(arguments); ++i)
-    if (!arguments.resume || !std::filesystem::exists(frameName(arguments, i))) frames.push_back(i);
+    if (!arguments.resume || !isDrawn(arguments, i)) frames.push_back(i);
   return frames;
-}
-
-bool isExr(const Arguments& arguments) {
-  return pictureKind(arguments.output) == PictureKind::kExr;
 }
 
 PictureArguments pictureOf(const Arguments& arguments) {

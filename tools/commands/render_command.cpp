@@ -162,6 +162,9 @@ int run(Arguments& arguments, CLI::App& app, Team* team) {
   const std::vector<int64_t> to_draw = framesToDraw(arguments, team);
   const bool is_first = team == nullptr || team->isFirst();
   if (team != nullptr) shareMachine(*team, arguments.resources);
+  if (is_first && !arguments.resources.quiet &&
+      static_cast<int64_t>(to_draw.size()) < frameCount(arguments))
+    warnOfOtherOptions(arguments, app, earlierReport(arguments));
   if (to_draw.empty()) {
     sayAllAreThere(arguments, app);
     return 0;
@@ -259,8 +262,9 @@ Command addRender(CLI::App& program) {
   addCullingOptions(*app, arguments->culling, true);
   OptionGroup(*app, kSeriesHeading)
       .rare()
-      .flag("--continue", arguments->resume,
-            "Draws only the pictures that do not exist yet; give the same options");
+      .flag(
+          "--continue", arguments->resume,
+          "Draws only the pictures that do not exist yet or are not whole; give the same options");
   addLevelOptions(*app, arguments->asked, arguments->frame, arguments->resources);
   addResourceOptions(*app, arguments->resources);
   return

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 
 #include <map>
+#include <set>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -12,6 +13,7 @@
 #include "src/base/values/bytes.h"
 #include "src/cpu/kernels/kernel_values.h"
 #include "src/library/opening/thick_source.h"
+#include "src/options/option_table.h"
 #include "tools/command_line/console.h"
 #include "tools/command_line/interrupt.h"
 #include "tools/outputs/cut_report.h"
@@ -80,6 +82,57 @@ nlohmann::json earlierReport(const RenderArguments& arguments) {
   auto report = nlohmann::json::parse(readTextFile(file, kMostBytes, "a report", interruption()),
                                       nullptr, false);
   return report.is_object() ? report : nlohmann::json();
+}
+
+namespace {
+
+// The names of the options that pictures depend on, but for the steps that a run draws. A report
+// has the step between slices that was chosen, if none was given.
+std::set<std::string> picturesOptions(const CLI::App& app) {
+  std::set<std::string> names{"volume", "size", "frames", "path", "state", "annotate", "aov"};
+  const auto add = [&](const auto& table) {
+    for (const auto& entry : table)
+      for (const std::string_view name : optionNames(entry)) names.emplace(name.substr(2));
+  };
+  add(optionTable());
+  add(volumeTable());
+  names.insert("this-step");
+  names.erase("time");
+  if (app.count("--step") == 0) names.erase("step");
+  return names;
+}
+
+std::string wordsOf(const nlohmann::json& options, const std::string& name) {
+  if (!options.contains(name)) return "";
+  const nlohmann::json& value = options[name];
+  if (value.is_string()) return value.get<std::string>();
+  if (!value.is_array()) return value.dump();
+  std::string words;
+  for (const nlohmann::json& word : value)
+    words +=
+        (words.empty() ? "" : " ") + (word.is_string() ? word.get<std::string>() : word.dump());
+  return words;
+}
+
+}  // namespace
+
+void warnOfOtherOptions(const RenderArguments& arguments, const CLI::App& app,
+                        const nlohmann::json& earlier) {
+  if (!earlier.is_object() || !earlier.contains("options") || !earlier["options"].is_object())
+    return;
+  const nlohmann::json now = optionsJson(app);
+  for (const std::string& name : picturesOptions(app)) {
+    const std::string before = wordsOf(earlier["options"], name), given = wordsOf(now, name);
+    if (before == given) continue;
+    const auto said = [](const std::string& words) {
+      return words.empty() ? std::string("nothing") : "'" + words + "'";
+    };
+    printWarning(fmt::format(
+        "{}: the pictures that are there may look otherwise: their run had {} for {}{}, "
+        "this one has {}",
+        arguments.report_file, said(before), name == "volume" ? "" : "--", name, said(given)));
+    return;
+  }
 }
 
 void addEarlierFrames(const RenderArguments& arguments, const nlohmann::json& earlier,

@@ -40,6 +40,10 @@ nlohmann::json reportOf(const RenderArguments& arguments, const CLI::App& app,
 // With --continue, the --report file of an earlier run, as JSON; null if there is none. Called
 // before the report is replaced. Throws Error and Interrupted.
 nlohmann::json earlierReport(const RenderArguments& arguments);
+// Prints a line if the earlier report is of a run whose pictures look otherwise: it names the first
+// option that differs.
+void warnOfOtherOptions(const RenderArguments& arguments, const CLI::App& app,
+                        const nlohmann::json& earlier);
 // With --continue: `frames` becomes the list of the whole series. Pictures that were there already
 // have the figures of the earlier report; those that no report has measured are named in
 // `frames_not_measured`.
