@@ -20,8 +20,7 @@ namespace {
 constexpr uint64_t kMostTableBytes = uint64_t{16} << 20;
 constexpr const char* kExpectedLine =
     "NUMBER R G B A VISIBLE MESH \"NAME\" as ITK-SNAP writes it, or NUMBER NAME R G B A as 3D "
-    "Slicer "
-    "does";
+    "Slicer does, with whole numbers for the label and, from 0 to 255, for colours";
 
 std::string_view trimmed(std::string_view text) {
   constexpr std::string_view kBlank = " \t\r";
@@ -44,10 +43,20 @@ std::optional<double> nextNumber(std::string_view& rest, double most) {
   return number && *number >= 0 && *number <= most ? number : std::nullopt;
 }
 
+// The next part of a colour, of 255. Fractions of 1 are not: 1.0 in a table of those means 255.
+std::optional<double> nextByte(std::string_view& rest) {
+  std::string_view ahead = rest;
+  const std::string_view word = nextWord(ahead);
+  const std::optional<double> number = nextNumber(rest, 255);
+  const bool is_fraction =
+      number && *number > 0 && *number <= 1 && word.find('.') != std::string_view::npos;
+  return is_fraction ? std::nullopt : number;
+}
+
 // Red, green and blue of 255.
 bool readColor(std::string_view& rest, Vec3d& rgb) {
   for (int c = 0; c < 3; ++c) {
-    const std::optional<double> part = nextNumber(rest, 255);
+    const std::optional<double> part = nextByte(rest);
     if (!part) return false;
     rgb[c] = *part / 255;
   }
@@ -75,7 +84,7 @@ bool readSlicer(std::string_view rest, LabelStyle& style) {
   style.name = nextWord(rest);
   std::ranges::replace(style.name, '_', ' ');
   if (style.name.empty() || !readColor(rest, style.rgb)) return false;
-  const auto opacity = nextNumber(rest, 255);
+  const auto opacity = nextByte(rest);
   if (!opacity || !trimmed(rest).empty()) return false;
   style.opacity = *opacity / 255;
   return true;
@@ -84,7 +93,10 @@ bool readSlicer(std::string_view rest, LabelStyle& style) {
 std::optional<LabelStyle> readLine(std::string_view line) {
   LabelStyle style;
   const auto number = numberOf(nextWord(line));
-  if (!number) return std::nullopt;
+  // Numbers beyond are no voxel's, or are not told apart.
+  constexpr double kMostLabel = 9007199254740992;  // 2^53
+  if (!number || *number != std::floor(*number) || std::abs(*number) > kMostLabel)
+    return std::nullopt;
   style.label = *number;
   std::string_view ahead = line;
   // 3D Slicer has a name in second place, ITK-SNAP the red of the colour.
@@ -101,6 +113,8 @@ std::vector<LabelStyle> readLabelTable(const std::filesystem::path& path, const 
 }
 
 std::vector<LabelStyle> parseLabelTable(std::string_view text, const std::string& where) {
+  constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
+  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
   std::vector<LabelStyle> table;
   int number = 0;
   for (size_t from = 0; from < text.size();) {

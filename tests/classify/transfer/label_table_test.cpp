@@ -53,6 +53,15 @@ TEST(LabelTable, opacitiesThatAreAllZeroAreOpaqueAsInFreeSurfers) {
   EXPECT_EQ(table[1].name, "Left-Cerebral-White-Matter");
 }
 
+TEST(LabelTable, mayBeginWithAByteOrderMark) {
+  const auto table = parseLabelTable(
+      "\xef\xbb\xbf"
+      "1 255.0 0 1 0.5 1 1 \"x\"\n",
+      "t.txt");
+  ASSERT_EQ(table.size(), 1U);
+  EXPECT_EQ(table[0], (LabelStyle{1, {1, 0, 1 / 255.0}, 0.5, "x"}));
+}
+
 TEST(LabelTable, saysWhichLineIsWrong) {
   const auto errorOfText = [](const char* text) {
     return errorOf([&] { parseLabelTable(text, "t.txt"); });
@@ -63,6 +72,11 @@ TEST(LabelTable, saysWhichLineIsWrong) {
   EXPECT_THAT(errorOfText("1 0 0 0 2 1 1 \"x\"\n"), HasSubstr("line 1"));
   EXPECT_THAT(errorOfText("1 a 0 0 0 255 7\n"), HasSubstr("line 1"));
   EXPECT_THAT(errorOfText("one\n"), HasSubstr("found one"));
+  // Fractions of 1 in place of 0 to 255, and numbers that are no labels.
+  for (const char* line :
+       {"1 left 1.0 0 0 1.0\n", "1 a 255 0 0 0.5\n", "1 0.5 0 0 1 1 1 \"left\"\n",
+        "1.5 255 0 0 1 1 1 \"x\"\n", "1e20 255 0 0 1 1 1 \"x\"\n"})
+    EXPECT_THAT(errorOfText(line), HasSubstr("whole numbers for the label")) << line;
   EXPECT_THAT(errorOfText("1 a 0 0 0 255\n1 b 0 0 0 255\n"),
               HasSubstr("t.txt: label 1 is there twice"));
 }
