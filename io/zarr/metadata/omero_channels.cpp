@@ -1,5 +1,7 @@
 #include "io/zarr/metadata/omero_channels.h"
 
+#include <fmt/format.h>
+
 #include <array>
 #include <charconv>
 #include <optional>
@@ -30,6 +32,15 @@ std::optional<ValueRange> windowOf(const JsonField& field) {
   const ValueRange window{start->number(), end->number()};
   return window.lo < window.hi ? std::optional(window) : std::nullopt;
 }
+
+// Whether a window has an end, but no two numbers of a range.
+bool saysRange(const JsonField& field) {
+  if (!field.isObject()) return !field.isNull();
+  return (field.find("start") || field.find("end")) && !windowOf(field);
+}
+
+// Lines about a file of many channels.
+constexpr size_t kMostFaults = 8;
 
 }  // namespace
 
@@ -68,6 +79,26 @@ std::vector<StoredLook> omeroLooks(const JsonField& omero) {
   }
   if (!says_something) looks.clear();
   return looks;
+}
+
+std::vector<std::string> omeroFaults(const JsonField& omero) {
+  std::vector<std::string> faults;
+  const auto channels = omero.isObject() ? omero.find("channels") : std::nullopt;
+  if (!channels || !channels->isArray()) return faults;
+  for (size_t i = 0; i < channels->size() && faults.size() < kMostFaults; ++i) {
+    const JsonField channel = (*channels)[i];
+    if (!channel.isObject()) continue;
+    if (const auto color = channel.find("color"); color && !color->isNull() && !colorOf(*color))
+      faults.push_back(fmt::format(
+          "the colour of channel {}{} in omero is not six hexadecimal digits; another is chosen", i,
+          color->isText() ? fmt::format(", '{}',", printable(color->text())) : std::string()));
+    if (const auto window = channel.find("window"); window && saysRange(*window))
+      faults.push_back(
+          fmt::format("the window of channel {} in omero does not begin with a number below its "
+                      "end; a range is chosen",
+                      i));
+  }
+  return faults;
 }
 
 }  // namespace sluice

@@ -14,5 +14,7 @@ class JsonField;
 std::vector<std::string> omeroNames(const JsonField& omero);
 // Their looks, as many; empty: the member gives no colour and no window.
 std::vector<StoredLook> omeroLooks(const JsonField& omero);
+// The looks that are passed over since they contradict themselves, in a few words each.
+std::vector<std::string> omeroFaults(const JsonField& omero);
 
 }  // namespace sluice

@@ -208,6 +208,7 @@ void parseAttributes(const JsonField& attributes, const JsonField& ome, const st
   if (const auto omero = ome.find("omero")) {
     image.channels = omeroNames(*omero);
     image.looks = omeroLooks(*omero);
+    image.notes = omeroFaults(*omero);
   }
   if (const auto own = attributes.find("sluice")) parseOwn(*own, image);
 }

@@ -57,6 +57,7 @@ struct ZarrImage {
   // itself as scale_factor and add_offset.
   double value_scale = 1, value_offset = 0;
   std::vector<double> missing;  // stored numbers that are no values
+  std::vector<std::string> notes;     // faults of the looks, in a few words each
   // Stored under the key "sluice".
   std::optional<std::array<Vec3d, 3>> directions;
   bool level_set = false;

@@ -49,6 +49,12 @@ ChunkedSource::ChunkedSource(const ChunkedVolume& volume, OpenedArray opened, si
     view_.layout.notes.insert(view_.layout.notes.end(), volume.notes.begin(), volume.notes.end());
     if (const std::string note = missingValuesNote(image.missing, view_.layout); !note.empty())
       view_.layout.notes.push_back(volume.name + ": " + note);
+    for (const std::string& note : image.notes)
+      view_.layout.notes.push_back(fmt::format("{}: {}", volume.name, note));
+    const auto described = static_cast<int64_t>(image.channels.size());
+    if (described > view_.layout.channels && view_.channel)
+      view_.layout.notes.push_back(fmt::format("{}: omero describes {} channels of {}", volume.name,
+                                               described, view_.layout.channels));
   }
   // A level without the channel has other channels than the image: openLevels() leaves it out.
   if (part_ == Part::kImage || channel.number.value_or(0) < view_.layout.channels)

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <iterator>
+#include <set>
 #include <span>
 #include <utility>
 
@@ -56,6 +57,25 @@ ShownChannel shownChannel(const VolumeSource& source, int64_t number, size_t pla
     shown.window = {valueOf(looks[at].window->lo), valueOf(looks[at].window->hi)};
   }
   return shown;
+}
+
+// The colours of channels without one: no channel gets that of another by accident.
+void chooseColors(std::vector<ChannelSource>& channels, std::span<const StoredLook> looks) {
+  std::set<std::string> taken;
+  const auto isGiven = [&](const ChannelSource& channel) {
+    const auto at = static_cast<size_t>(channel.channel.number);
+    return at < looks.size() && isSeen(looks[at].color);
+  };
+  for (const ChannelSource& channel : channels)
+    if (isGiven(channel)) taken.insert(channel.channel.color);
+  for (ChannelSource& channel : channels) {
+    if (isGiven(channel)) continue;
+    const auto isFree = [&](const char* color) { return !taken.contains(color); };
+    // There are as many usual colours as channels.
+    if (!isFree(channel.channel.color.c_str()))
+      channel.channel.color = *std::ranges::find_if(kUsualColors, isFree);
+    taken.insert(channel.channel.color);
+  }
 }
 
 // The channels that a file shows at first; one: it has no more, or does not say.
@@ -133,6 +153,7 @@ std::vector<ChannelSource> openOwnChannels(const VolumeArguments& arguments) {
     channels.push_back({nullptr, std::move(shown), arguments});
     channels.back().arguments.open.channel = ChannelWish(number);
   }
+  chooseColors(channels, channelLooks(*source));
   // The first source serves if it reads the channel and has no note about the choice.
   if (numbers.size() == 1 && numbers.front() == source->layout().channel && !is_list) {
     channels.front().source = std::move(source);

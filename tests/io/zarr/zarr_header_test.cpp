@@ -273,6 +273,10 @@ TEST(ZarrImage, saysHowChannelsLook) {
   EXPECT_EQ(image.looks[1], StoredLook{.is_active = false});
   EXPECT_EQ(image.looks[2], StoredLook{});
   EXPECT_EQ(image.looks[3], StoredLook{});
+  ASSERT_EQ(image.notes.size(), 3U);
+  EXPECT_NE(image.notes[0].find("colour of channel 1, 'red',"), std::string::npos);
+  EXPECT_NE(image.notes[1].find("window of channel 1"), std::string::npos);
+  EXPECT_NE(image.notes[2].find("window of channel 2"), std::string::npos);
   // Names alone say nothing of looks.
   EXPECT_TRUE(parseZarrImage(R"({"omero": {"channels": [{"label": "a"}, {"active": true}]}})", "")
                   .looks.empty());
