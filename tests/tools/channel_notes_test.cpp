@@ -48,6 +48,22 @@ TEST_F(Channels, invertedOneIsNotedAndPackedAsSuch) {
   EXPECT_THAT(program_.run("render p.zarr" + more).output, HasSubstr("p.zarr: " + note));
 }
 
+TEST_F(Channels, aColourThatIsNoneIsNotedAndReplacedByOneOfItsOwn) {
+  edit(program_.folder / "cells.ome.zarr/.zattrs", [](nlohmann::json& content) {
+    nlohmann::json& channels = content["omero"]["channels"];
+    channels[0]["color"] = "F00";
+    channels[1]["color"] = "00FF00";  // the usual one of the first channel
+  });
+  const std::string lines =
+      program_.run("render cells.ome.zarr --channel 0,1 --size 32 -o a.png --force").output;
+  const std::string note = "the colour of channel 0, 'F00', in omero is not six";
+  const size_t at = lines.find(note);
+  ASSERT_NE(at, std::string::npos) << lines;
+  EXPECT_EQ(lines.find(note, at + 1), std::string::npos) << lines;
+  EXPECT_THAT(lines, HasSubstr("1:00ff00"));
+  EXPECT_THAT(lines, Not(HasSubstr("0:00ff00")));
+}
+
 TEST_F(Channels, levelWithoutThemIsNotedOnce) {
   ASSERT_EQ(program_.run("pack cells.ome.zarr -o p.zarr --chunk 16 --levels 1").status, 0);
   edit(program_.folder / "p.zarr/1/.zarray",
