@@ -109,7 +109,7 @@ TEST_F(Over, isOneMediumOnOneGridUnlessAsked) {
     SCOPED_TRACE(arguments);
     const std::string command = "scan.nrrd " + arguments;
     EXPECT_THAT(render(command + " --verify -o unasked.png"),
-                AllOf(HasSubstr("0 pixels above 1/255"), Not(HasSubstr("--combine"))));
+                AllOf(HasSubstr("0 pixels above 1/255"), Not(HasSubstr("--combine="))));
     render(command + " -o asked.png --combine " + combine);
     EXPECT_EQ(difference("unasked.png", "asked.png"), 0);
   };
@@ -121,6 +121,13 @@ TEST_F(Over, isOneMediumOnOneGridUnlessAsked) {
   for (const char* options : {"--mode mip", "--iso 100 --threshold 60", "--shade --shadows",
                               "--occlusion clip --opacity-threshold 1", "--partition boxes"})
     isAs("add", labels + options);
+  const std::string note = "warning: the pictures of the two volumes are added, not blended: ";
+  for (const char* options : {"--partition boxes", "--iso 100 --threshold 60"})
+    EXPECT_THAT(render("scan.nrrd " + labels + options + " -o note.png"), HasSubstr(note));
+  EXPECT_THAT(render("scan.nrrd " + labels + "--partition boxes --combine add -o note.png"),
+              Not(HasSubstr(note)));
+  EXPECT_THAT(render("scan.nrrd --over turned.nrrd --partition boxes -o note.png"),
+              Not(HasSubstr(note)));
   EXPECT_THAT(render("scan.nrrd " + labels + "--quality high -o high.png"),
               HasSubstr("--quality changes nothing in a blended picture"));
   EXPECT_THAT(render("scan.nrrd " + labels + "--combine add -o add.png"),

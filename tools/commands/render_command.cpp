@@ -8,6 +8,7 @@
 #include "src/annotate/annotate.h"
 #include "src/base/error.h"
 #include "src/base/field_names.h"
+#include "src/library/drawing/scene/channel_shares.h"
 #include "src/library/drawing/scene/picture_facts.h"
 #include "tools/command_line/console.h"
 #include "tools/commands/commands.h"
@@ -195,6 +196,10 @@ int run(Arguments& arguments, CLI::App& app, Team* team) {
   const std::vector<Camera>& cameras = fitted.cameras;
   if (is_first && !arguments.resources.quiet)
     for (const std::string& warning : scene.lookWarnings()) printWarning(warning);
+  if (is_first && !arguments.resources.quiet)
+    if (const std::string note = addedNote(scene.asked, arguments.frame, scene.looks());
+        !note.empty())
+      printWarning(note);
   if (scene.volume.stand_in && !arguments.resources.quiet) printWarning(scene.volume.standInNote());
   if (team != nullptr) expectSameScene(*team, scene, cameras, arguments.frame);
   RenderJob job{arguments, to_draw,  cameras,  output, {},

@@ -136,6 +136,26 @@ Combine combineOf(const LookArguments& look, const FrameOptions& options,
              : Combine::kAdd;
 }
 
+std::string addedNote(const LookArguments& look, const FrameOptions& options,
+                      const std::vector<LayerLook>& layers) {
+  const bool are_two = layers.size() == 2 && layers.back().volume->channel.is_over;
+  if (look.combine || !are_two || !traitsOf(options.mode).has_colors) return "";
+  const auto obstacle = blendObstacle(look, options, layers);
+  LookArguments plain_look = look;
+  plain_look.surfaces.clear();
+  FrameOptions plain = options;
+  plain.lighting = {};
+  plain.occlusion = Occlusion::kOff;
+  plain.partition = Partition::kBlocks;
+  // Their blocks may differ because they are added.
+  const std::vector<const VolumeLayout*> grids{&layers.front().volume->source->layout(),
+                                               &layers.back().volume->source->layout()};
+  if (!obstacle || blendObstacle(plain_look, plain, grids)) return "";
+  return fmt::format(
+      "the pictures of the two volumes are added, not blended: {}, or give --combine add",
+      *obstacle);
+}
+
 bool haveOneLayout(const IndexedVolume& a, const IndexedVolume& b) {
   return a.layout.size == b.layout.size && a.layout.ghost == b.layout.ghost;
 }

@@ -50,6 +50,10 @@ void requireBlendable(const LookArguments& look, const FrameOptions& options,
 // over another one is blended with it if that is possible, and all others are added.
 Combine combineOf(const LookArguments& look, const FrameOptions& options,
                   const std::vector<LayerLook>& layers);
+// The line about two volumes that would be blended but for an option that is no choice of it;
+// empty: they are blended, or added anyway.
+std::string addedNote(const LookArguments& look, const FrameOptions& options,
+                      const std::vector<LayerLook>& layers);
 // Whether the volumes' finest levels are cut into blocks alike.
 bool haveOneLayout(const IndexedVolume& a, const IndexedVolume& b);
 // Whether the pictures of all volumes can be of one cut: each is drawn from one, and they have more
