@@ -4,11 +4,9 @@
 #include <utility>
 
 #include "io/files/file_list.h"
-#include "io/files/series_numbers.h"
 #include "io/formats.h"
 #include "io/relabelled.h"
 #include "io/sequence.h"
-#include "io/step_numbers.h"
 #include "io/synth/synth_source.h"
 #include "io/web/address.h"
 #include "src/base/error.h"
@@ -93,12 +91,7 @@ std::optional<std::string> missingStep(VolumeSource& source, int64_t time) {
   return file ? std::optional(file->string()) : std::nullopt;
 }
 
-std::optional<int64_t> stepOfNumber(VolumeSource& source, int64_t number) {
-  const auto step = fileOfNumber(filesOfSteps(source), number);
-  return step ? std::optional(static_cast<int64_t>(*step)) : std::nullopt;
-}
-
-std::optional<std::array<int64_t, 2>> numbersOfSteps(VolumeSource& source) {
+std::vector<int64_t> numbersOfSteps(VolumeSource& source) {
   return numbersOf(filesOfSteps(source));
 }
 

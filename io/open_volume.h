@@ -34,7 +34,8 @@ std::unique_ptr<VolumeSource> openVolume(const std::vector<std::string>& inputs,
 // would be step `time` if the series went on that far. nullopt: no such series, or nothing is
 // missing. Throws Error for a step that cannot be opened.
 std::optional<std::string> missingStep(VolumeSource& source, int64_t time);
-// The time step of a series of a file a step whose file has `number` in its name. nullopt: none.
-std::optional<int64_t> stepOfNumber(VolumeSource& source, int64_t number);
+// The number in the name of each step's file in a series of one file a step; ascending. Empty: no
+// such series. Throws Error for a step that cannot be opened.
+std::vector<int64_t> numbersOfSteps(VolumeSource& source);
 
 }  // namespace sluice

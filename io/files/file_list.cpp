@@ -9,70 +9,13 @@
 #include <optional>
 
 #include "io/files/file.h"
-#include "io/files/series_numbers.h"
 #include "src/base/error.h"
+#include "src/base/files/number_text.h"
+#include "src/base/files/numbered_name.h"
 #include "src/base/values/letter_case.h"
 
 namespace sluice {
 namespace {
-
-bool isDigit(char c) {
-  return c >= '0' && c <= '9';
-}
-
-// A name with one number in it, as printf writes it or as '#' for each digit.
-struct NumberedName {
-  std::string before, after;
-  size_t width = 0;  // digits at least, padded with zeros
-};
-
-// nullopt when the text has no number or more than one.
-std::optional<NumberedName> parseNumbered(const std::string& text) {
-  NumberedName name;
-  std::string* part = &name.before;
-  for (size_t i = 0; i < text.size(); ++i) {
-    if (text[i] == '#') {
-      if (part == &name.after) return std::nullopt;
-      const size_t end = std::min(text.find_first_not_of('#', i), text.size());
-      name.width = end - i;
-      part = &name.after;
-      i = end - 1;
-      continue;
-    }
-    if (text[i] != '%') {
-      *part += text[i];
-      continue;
-    }
-    if (i + 1 < text.size() && text[i + 1] == '%') {
-      *part += text[++i];
-      continue;
-    }
-    size_t end = i + 1;
-    while (end < text.size() && isDigit(text[end])) ++end;
-    const bool is_number =
-        end < text.size() && (text[end] == 'd' || text[end] == 'i' || text[end] == 'u');
-    constexpr size_t kMaxWidthDigits = 3;
-    if (!is_number || part == &name.after || end - i - 1 > kMaxWidthDigits) return std::nullopt;
-    if (end > i + 1) name.width = std::stoul(text.substr(i + 1, end - i - 1));
-    part = &name.after;
-    i = end;
-  }
-  if (part == &name.before) return std::nullopt;
-  return name;
-}
-
-// The digits of `file` if it is one of `name`'s files; empty otherwise.
-std::string_view digitsOf(std::string_view file, const NumberedName& name) {
-  if (file.size() <= name.before.size() + name.after.size() || !file.starts_with(name.before) ||
-      !file.ends_with(name.after))
-    return {};
-  const std::string_view digits =
-      file.substr(name.before.size(), file.size() - name.before.size() - name.after.size());
-  if (!std::all_of(digits.begin(), digits.end(), isDigit)) return {};
-  const bool is_padded = digits.size() > 1 && digits[0] == '0';
-  if (digits.size() < name.width || (is_padded && digits.size() > name.width)) return {};
-  return digits;
-}
 
 std::vector<std::filesystem::path> expandGlob(const std::string& pattern) {
   glob_t found{};
@@ -98,14 +41,11 @@ std::string withoutNumbers(std::string_view name) {
 
 // The name with its last number as printf would write it: "a-007.png" -> "a-%03d.png".
 std::string asPattern(const std::string& name) {
-  const std::string_view digits = "0123456789";
-  const size_t last = name.find_last_of(digits);
-  if (last == std::string::npos) return name;
-  const size_t before = name.find_last_not_of(digits, last);
-  const size_t first = before == std::string::npos ? 0 : before + 1;
-  const bool is_padded = name[first] == '0' && last > first;
-  const std::string number = is_padded ? fmt::format("%0{}d", last - first + 1) : "%d";
-  return name.substr(0, first) + number + name.substr(last + 1);
+  const auto digits = lastDigits(name);
+  if (!digits) return name;
+  const bool is_padded = name[digits->at] == '0' && digits->size > 1;
+  const std::string number = is_padded ? fmt::format("%0{}d", digits->size) : "%d";
+  return name.substr(0, digits->at) + number + name.substr(digits->at + digits->size);
 }
 
 uint64_t hash(std::string_view text) {  // FNV-1a
@@ -165,19 +105,16 @@ bool isPattern(const std::string& name) {
   std::error_code error;
   if (std::filesystem::exists(name, error)) return false;
   return name.find_first_of("*?[") != std::string::npos ||
-         parseNumbered(std::filesystem::path(name).filename().string()).has_value();
+         parseNumberedName(std::filesystem::path(name).filename().string()).has_value();
 }
 
 std::vector<std::filesystem::path> expandPattern(const std::string& pattern) {
   std::vector<std::filesystem::path> paths;
   const std::filesystem::path as_path(pattern);
-  const auto numbered = parseNumbered(as_path.filename().string());
-  if (numbered) {
+  if (const auto numbered = parseNumberedName(as_path.filename().string())) {
     const auto parent = as_path.parent_path();
-    for (const auto& file : listFolder(parent.empty() ? "." : parent)) {
-      if (!digitsOf(file.filename().string(), *numbered).empty())
-        paths.push_back(parent / file.filename());
-    }
+    for (const auto& file : listFolder(parent.empty() ? "." : parent))
+      if (numbered->matches(file.filename().string())) paths.push_back(parent / file.filename());
   } else {
     paths = expandGlob(pattern);
   }
@@ -226,41 +163,16 @@ void requireOneSeries(const std::string& name, const std::vector<std::filesystem
 
 namespace {
 
-// A name around its last run of digits.
-struct SplitName {
-  std::string_view before, digits, after;
-};
-
-SplitName splitAtLastNumber(std::string_view name) {
-  const size_t last = name.find_last_of("0123456789");
-  if (last == std::string_view::npos) return {name, {}, {}};
-  const size_t before = name.find_last_not_of("0123456789", last);
-  const size_t first = before == std::string_view::npos ? 0 : before + 1;
-  return {name.substr(0, first), name.substr(first, last + 1 - first), name.substr(last + 1)};
-}
-
-// The number that a name of digits stands for; nullopt for more than fits.
+// The number that a run of digits stands for; nullopt for more than fits.
 std::optional<int64_t> numberOfDigits(std::string_view digits) {
   constexpr size_t kMostDigits = 18;
-  if (digits.empty() || digits.size() > kMostDigits) return std::nullopt;
-  int64_t number = 0;
-  for (const char c : digits) number = number * 10 + (c - '0');
-  return number;
+  if (digits.size() > kMostDigits) return std::nullopt;
+  return numberIn<int64_t>(digits);
 }
-
-std::string inDigits(int64_t number, size_t width) {
-  const std::string digits = std::to_string(number);
-  return std::string(width - std::min(width, digits.size()), '0') + digits;
-}
-
-}  // namespace
-
-namespace {
 
 // Files whose names differ in one number alone, which goes up.
 struct NumberedFiles {
-  std::string before, after;  // the number, in the last file's name
-  size_t digits = 0;          // in the last file's name
+  NumberedName name;
   std::vector<int64_t> numbers;
 };
 
@@ -271,21 +183,18 @@ std::optional<NumberedFiles> numberedFiles(const std::vector<std::filesystem::pa
   auto begin =
       static_cast<size_t>(std::mismatch(a.begin(), a.end(), b.begin(), b.end()).second - b.begin());
   while (begin > 0 && isDigit(b[begin - 1])) --begin;
-  const auto digitsAt = [begin](const std::string& name) {
-    const size_t end = std::min(name.find_first_not_of("0123456789", begin), name.size());
-    return name.substr(begin, end - begin);
-  };
-  NumberedFiles found;
-  found.before = b.substr(0, begin);
-  found.digits = digitsAt(b).size();
-  found.after = b.substr(begin + found.digits);
+  NumberedFiles found{{b.substr(0, begin), {}, SIZE_MAX}, {}};
   for (const auto& file : files) {
     const std::string name = file.filename();
-    const auto number =
-        name.starts_with(found.before) ? numberOfDigits(digitsAt(name)) : std::nullopt;
+    if (!name.starts_with(found.name.before)) return std::nullopt;
+    const size_t end = std::min(name.find_first_not_of("0123456789", begin), name.size());
+    const auto number = numberOfDigits(std::string_view(name).substr(begin, end - begin));
+    if (found.numbers.empty()) found.name.after = name.substr(end);
     if (!number || (!found.numbers.empty() && *number <= found.numbers.back()) ||
-        name.substr(begin + digitsAt(name).size()) != found.after)
+        name.substr(end) != found.name.after)
       return std::nullopt;
+    // Numbers without zeros in front have more digits as they go up.
+    found.name.width = std::min(found.name.width, end - begin);
     found.numbers.push_back(*number);
   }
   return found;
@@ -293,19 +202,9 @@ std::optional<NumberedFiles> numberedFiles(const std::vector<std::filesystem::pa
 
 }  // namespace
 
-std::optional<size_t> fileOfNumber(const std::vector<std::filesystem::path>& files,
-                                   int64_t number) {
-  const auto found = numberedFiles(files);
-  if (!found) return std::nullopt;
-  const auto at = std::lower_bound(found->numbers.begin(), found->numbers.end(), number);
-  if (at == found->numbers.end() || *at != number) return std::nullopt;
-  return static_cast<size_t>(at - found->numbers.begin());
-}
-
-std::optional<std::array<int64_t, 2>> numbersOf(const std::vector<std::filesystem::path>& files) {
-  const auto found = numberedFiles(files);
-  if (!found) return std::nullopt;
-  return std::array{found->numbers.front(), found->numbers.back()};
+std::vector<int64_t> numbersOf(const std::vector<std::filesystem::path>& files) {
+  auto found = numberedFiles(files);
+  return found ? std::move(found->numbers) : std::vector<int64_t>();
 }
 
 std::optional<std::filesystem::path> missingFile(const std::vector<std::filesystem::path>& files,
@@ -320,23 +219,13 @@ std::optional<std::filesystem::path> missingFile(const std::vector<std::filesyst
   for (size_t i = numbers.size() - 1; i > 0; --i)
     if (numbers[i] - numbers[i - 1] > step) wanted = numbers[i - 1] + step;
   if (wanted == numbers.back()) return std::nullopt;
-  return files.back().parent_path() /
-         (found->before + inDigits(wanted, found->digits) + found->after);
+  return files.back().parent_path() / found->name.with(wanted);
 }
 
 std::optional<std::string> gapNote(const std::vector<std::filesystem::path>& files) {
-  if (files.size() < 3) return std::nullopt;
-  std::vector<std::string> names;
-  names.reserve(files.size());
-  for (const auto& file : files) names.push_back(file.filename().string());
-  const SplitName first = splitAtLastNumber(names[0]);
-  std::vector<int64_t> numbers;
-  for (const std::string& name : names) {
-    const SplitName split = splitAtLastNumber(name);
-    const auto number = numberOfDigits(split.digits);
-    if (!number || split.before != first.before || split.after != first.after) return std::nullopt;
-    numbers.push_back(*number);
-  }
+  const auto found = numberedFiles(files);
+  if (!found || files.size() < 3) return std::nullopt;
+  const std::vector<int64_t>& numbers = found->numbers;
   std::map<int64_t, size_t> steps;
   for (size_t i = 1; i < numbers.size(); ++i) ++steps[numbers[i] - numbers[i - 1]];
   const auto usual = std::max_element(
@@ -345,8 +234,7 @@ std::optional<std::string> gapNote(const std::vector<std::filesystem::path>& fil
   // Numbers that go up anyhow are no series with gaps. Of three files two are neighbours, and one
   // is missing before the third.
   const bool is_one_of_four = numbers.size() == 3 && steps.contains(2 * step);
-  if (step <= 0 || (usual->second * 3 < (numbers.size() - 1) * 2 && !is_one_of_four))
-    return std::nullopt;
+  if (usual->second * 3 < (numbers.size() - 1) * 2 && !is_one_of_four) return std::nullopt;
   int64_t missing = 0;
   size_t gap = 0;
   for (size_t i = numbers.size() - 1; i > 0; --i) {
@@ -356,14 +244,13 @@ std::optional<std::string> gapNote(const std::vector<std::filesystem::path>& fil
     gap = i;
   }
   if (missing == 0) return std::nullopt;
-  const std::string digits =
-      inDigits(numbers[gap - 1] + step, splitAtLastNumber(names[gap - 1]).digits.size());
   const std::string what =
       missing == 1 ? "is missing" : fmt::format("and {} more are missing", missing - 1);
   return fmt::format(
-      "{}: {}{}{} {}, between {} and {}; the files on both sides of a gap become neighbours",
-      files[0].parent_path().empty() ? "." : files[0].parent_path().string(), first.before, digits,
-      first.after, what, names[gap - 1], names[gap]);
+      "{}: {} {}, between {} and {}; the files on both sides of a gap become neighbours",
+      files[0].parent_path().empty() ? "." : files[0].parent_path().string(),
+      found->name.with(numbers[gap - 1] + step), what, files[gap - 1].filename().string(),
+      files[gap].filename().string());
 }
 
 std::optional<std::string> orderByNumbers(std::vector<std::string>& names) {

@@ -25,13 +25,13 @@ inline constexpr size_t kSampledFiles = 64;
 // The order a person expects: runs of digits compare as numbers ("texture-2" before "texture-10").
 bool naturalLess(std::string_view a, std::string_view b);
 
-// Whether `name` is a pattern and not a file's name: it has *, ? or [, or one number as printf (%d,
-// %03d, %i, %u) or as '#' for each digit (####), and no file is called so.
+// Whether `name` is a pattern and not a file's name: it has *, ? or [, or a place for one number
+// (numbered_name.h), and no file is called so.
 bool isPattern(const std::string& name);
 
 // The files that a pattern stands for: for a glob in natural order; for a number (only in the last
-// component of the path; %% stands for %) in the order of the numbers, gaps allowed, so that steps
-// of 100 work. #### is %04d. Throws Error when none matches.
+// component of the path) in the order of the numbers, gaps allowed, so that steps of 100 work.
+// Throws Error when none matches.
 std::vector<std::filesystem::path> expandPattern(const std::string& pattern);
 
 // All entries of a folder except folders and hidden names, in natural order. A device, a pipe or a
@@ -44,8 +44,9 @@ std::vector<std::filesystem::path> listFolder(const std::filesystem::path& folde
 // more: they would make one volume of several. The line gives the pattern of each.
 void requireOneSeries(const std::string& name, const std::vector<std::filesystem::path>& files);
 
-// The index in such files of the one with this number. nullopt: none, or no such series.
-std::optional<size_t> fileOfNumber(const std::vector<std::filesystem::path>& files, int64_t number);
+// The numbers of files, in order, that differ in one number alone, which goes up. Empty: no such
+// series.
+std::vector<int64_t> numbersOf(const std::vector<std::filesystem::path>& files);
 
 // A note that names the missing numbers if the files are one series whose numbers go up in equal
 // steps but for gaps. nullopt: no gap, or no such series. The files are in order.

@@ -15,12 +15,15 @@ TEST(NumberedName, hashesAndPercentsTakeTheNumber) {
   EXPECT_EQ(numberedName("t_%04d.png", 7, true), "t_0007.png");
   EXPECT_EQ(numberedName("t_%4d.png", 7, true), "t_0007.png");
   EXPECT_EQ(numberedName("t_%d.png", 7, false), "t_7.png");
+  EXPECT_EQ(numberedName("50%%_%02u.png", 7, false), "50%_07.png") << "as names to read";
 }
 
 TEST(NumberedName, withoutAPlaceTheNumberGoesBeforeTheExtensionOrNowhere) {
   EXPECT_EQ(numberedName("d/turn.png", 7, true), "d/turn_007.png");
   EXPECT_EQ(numberedName("d/turn.png", 7, false), "d/turn.png");
   EXPECT_EQ(numberedName("a%b/turn.png", 7, false), "a%b/turn.png") << "folders are as they are";
+  EXPECT_FALSE(isNumbered("a%b/turn.png"));
+  EXPECT_TRUE(isNumbered("turn_##.png"));
 }
 
 TEST(NumberedName, otherPatternsAreRefused) {

@@ -308,9 +308,6 @@ TEST(ViewPath, namesItsFileBesideTheFrames) {
   EXPECT_EQ(pathFileFor("frame_%04d.png"), "frame.json");
   EXPECT_EQ(pathFileFor("out dir/turn-####.exr"), "out dir/turn.json");
   EXPECT_EQ(pathFileFor("/a/%d.png"), "/a/path.json");
-  EXPECT_TRUE(isNumbered("a/b_%03d.png"));
-  EXPECT_TRUE(isNumbered("b_##.png"));
-  EXPECT_FALSE(isNumbered("50%/b.png"));
 }
 
 TEST(ViewPath, numbersOfOneKeyAloneStartFromTheirDefaults) {

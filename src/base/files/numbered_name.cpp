@@ -3,66 +3,95 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <optional>
-#include <string>
 
 #include "src/base/error.h"
+#include "src/base/files/number_text.h"
 
 namespace sluice {
+namespace {
 
 namespace fs = std::filesystem;
 
-namespace {
+constexpr std::string_view kDigits = "0123456789";
 
-// The place of the number in a name: `length` characters from `at`, written with at least `digits`
-// digits.
 struct NumberPlace {
-  size_t at = 0, length = 0;
-  int digits = 0;
+  size_t length = 0, width = 0;  // characters of the pattern, digits at least
 };
 
-std::optional<NumberPlace> numberPlace(const std::string& name, const std::string& file) {
-  constexpr int kMostDigits = 20;
-  const size_t percent = file.find('%'), hash = file.find('#');
-  if (percent == std::string::npos && hash == std::string::npos) return std::nullopt;
-  const auto refuse = [&] {
-    failRequest("{}: expected one place for the number, as in turn_####.png or turn_%04d.png",
-                name);
-  };
-  NumberPlace place;
-  if (hash != std::string::npos) {
-    place.at = hash;
-    place.length = file.find_first_not_of('#', hash) - hash;
-    if (place.length > file.size()) place.length = file.size() - hash;
-    place.digits = static_cast<int>(place.length);
-  } else {
-    const size_t end = file.find_first_not_of("0123456789", percent + 1);
-    // At most two digits, so that std::stoi() cannot overflow.
-    if (end == std::string::npos || file[end] != 'd' || end - percent > 3) refuse();
-    place = {percent, end + 1 - percent,
-             end == percent + 1 ? 1 : std::stoi(file.substr(percent + 1, end - percent - 1))};
+// The place that begins with the first character of `text`, '#' or '%'.
+std::optional<NumberPlace> placeAtStart(std::string_view text) {
+  constexpr size_t kMostWidthDigits = 3;
+  if (text[0] == '#') {
+    const size_t length = std::min(text.find_first_not_of('#'), text.size());
+    return NumberPlace{length, length};
   }
-  if (place.digits > kMostDigits) refuse();
-  const std::string rest = file.substr(place.at + place.length);
-  if (rest.find_first_of("%#") != std::string::npos ||
-      (hash != std::string::npos && percent != std::string::npos))
-    refuse();
-  return place;
+  const size_t end = std::min(text.find_first_not_of(kDigits, 1), text.size());
+  const bool is_number =
+      end < text.size() && (text[end] == 'd' || text[end] == 'i' || text[end] == 'u');
+  if (!is_number || end - 1 > kMostWidthDigits) return std::nullopt;
+  return NumberPlace{end + 1, numberIn<size_t>(text.substr(1, end - 1)).value_or(0)};
 }
 
 }  // namespace
 
+std::optional<DigitRun> lastDigits(std::string_view name) {
+  const size_t last = name.find_last_of(kDigits);
+  if (last == std::string_view::npos) return std::nullopt;
+  const size_t at = name.find_last_not_of(kDigits, last) + 1;  // npos + 1 is the name's start
+  return DigitRun{at, last + 1 - at};
+}
+
+std::string NumberedName::with(int64_t number) const {
+  return fmt::format("{}{:0{}}{}", before, number, std::max<size_t>(1, width), after);
+}
+
+bool NumberedName::matches(std::string_view file) const {
+  if (file.size() <= before.size() + after.size() || !file.starts_with(before) ||
+      !file.ends_with(after))
+    return false;
+  const std::string_view digits =
+      file.substr(before.size(), file.size() - before.size() - after.size());
+  const bool is_padded = digits.size() > 1 && digits[0] == '0';
+  return std::ranges::all_of(digits, isDigit) && digits.size() >= width &&
+         !(is_padded && digits.size() > width);
+}
+
+std::optional<NumberedName> parseNumberedName(std::string_view file) {
+  NumberedName name;
+  std::string* part = &name.before;
+  while (!file.empty()) {
+    const bool is_percent_sign = file.starts_with("%%");
+    if (is_percent_sign || (file[0] != '#' && file[0] != '%')) {
+      *part += file[0];
+      file.remove_prefix(is_percent_sign ? 2 : 1);
+      continue;
+    }
+    const auto place = placeAtStart(file);
+    if (!place || part == &name.after) return std::nullopt;
+    name.width = place->width;
+    part = &name.after;
+    file.remove_prefix(place->length);
+  }
+  return part == &name.after ? std::optional(name) : std::nullopt;
+}
+
+bool isNumbered(const fs::path& name) {
+  return name.filename().string().find_first_of("%#") != std::string::npos;
+}
+
 fs::path numberedName(const std::string& name, int64_t number, bool numbered) {
-  fs::path path(name);
-  const std::string file = path.filename().string();
-  if (const auto place = numberPlace(name, file)) {
-    const std::string digits = fmt::format("{:0{}}", number, std::max(1, place->digits));
-    return path.parent_path() /
-           (file.substr(0, place->at) + digits + file.substr(place->at + place->length));
+  constexpr size_t kMostWidth = 20;
+  const fs::path path(name);
+  if (isNumbered(path)) {
+    const auto parsed = parseNumberedName(path.filename().string());
+    if (!parsed || parsed->width > kMostWidth)
+      failRequest("{}: expected one place for the number, as in turn_####.png or turn_%04d.png",
+                  name);
+    return path.parent_path() / parsed->with(number);
   }
   if (!numbered) return path;
-  return path.parent_path() /
-         fmt::format("{}_{:03}{}", path.stem().string(), number, path.extension().string());
+  const NumberedName after_stem{path.stem().string() + "_", path.extension().string(), 3};
+  return path.parent_path() / after_stem.with(number);
 }
 
 }  // namespace sluice

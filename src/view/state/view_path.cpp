@@ -267,10 +267,6 @@ ViewState stateAt(const ViewPath& path, const ViewState& now, int64_t frame) {
   return state;
 }
 
-bool isNumbered(const std::string& name) {
-  return std::filesystem::path(name).filename().string().find_first_of("%#") != std::string::npos;
-}
-
 std::optional<std::string> jumpsAlong(const ViewPath& path) {
   if (path.kind == ViewPath::Kind::kTurn) return std::nullopt;
   std::vector<std::string> places;

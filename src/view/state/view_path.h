@@ -55,7 +55,5 @@ std::optional<std::string> jumpsAlong(const ViewPath& path);
 // "turn.json" next to "turn_%04d.png": the view and its path, from which `sluice render` makes the
 // same frames.
 std::string pathFileFor(const std::string& frames);
-// Whether the name has a place for a number: "####" or "%04d".
-bool isNumbered(const std::string& name);
 
 }  // namespace sluice

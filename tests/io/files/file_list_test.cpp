@@ -11,6 +11,7 @@ namespace {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::IsEmpty;
 
 std::vector<std::string> namesOf(const std::vector<std::filesystem::path>& paths) {
   std::vector<std::string> names;
@@ -65,12 +66,12 @@ TEST(Pattern, takesHashesForDigitsAsOutputsDo) {
   EXPECT_FALSE(isPattern((folder / "a#1.raw").string()));
 }
 
-TEST(FileOfNumber, isItsPlaceAmongFilesThatDifferInOneNumber) {
-  const std::vector<std::filesystem::path> files{"s_1001.raw", "s_1002.raw", "s_1004.raw"};
-  EXPECT_EQ(fileOfNumber(files, 1001), 0U);
-  EXPECT_EQ(fileOfNumber(files, 1004), 2U);
-  EXPECT_EQ(fileOfNumber(files, 1003), std::nullopt);
-  EXPECT_EQ(fileOfNumber({"a.raw", "b.raw"}, 0), std::nullopt);
+TEST(NumbersOf, areThoseOfFilesThatDifferInOneNumber) {
+  EXPECT_THAT(numbersOf({"s_1001_2.raw", "s_1002_2.raw", "s_1004_2.raw"}),
+              ElementsAre(1001, 1002, 1004));
+  EXPECT_THAT(numbersOf({"a.raw", "b.raw"}), IsEmpty());
+  EXPECT_THAT(numbersOf({"s_1.raw", "s_3.raw", "s_2.raw"}), IsEmpty());
+  EXPECT_THAT(numbersOf({"s_1.raw"}), IsEmpty());
 }
 
 TEST(ListFolder, hidesNoDeviceAndNoLinkToNothing) {
@@ -114,6 +115,7 @@ TEST(MissingFile, isTheFirstBetweenOthersElseOneBehind) {
   EXPECT_EQ(missing({"s_0.raw", "s_200.raw", "s_300.raw", "s_600.raw"}), "s_100.raw");
   EXPECT_EQ(missing({"s_8.raw", "s_9.raw"}, 2), "s_11.raw");
   EXPECT_EQ(missing({"s_0100.raw", "s_0200.raw"}), "s_0300.raw");
+  EXPECT_EQ(missing({"s_1.raw", "s_2.raw", "s_4.raw", "s_10.raw"}), "s_3.raw");
   EXPECT_EQ(missing({"a.raw", "b.raw", "c.raw"}), "");
   EXPECT_EQ(missing({"s_1.raw", "t_2.raw", "s_3.raw"}), "");
   EXPECT_EQ(missing({"s_1.raw"}), "");
@@ -130,6 +132,8 @@ TEST(GapNote, namesWhatIsMissing) {
   EXPECT_THAT(gapNote({"q_000.raw", "q_100.raw", "q_300.raw"}).value_or(""),
               HasSubstr("q_200.raw is missing"));
   EXPECT_EQ(gapNote({"q_0.raw", "q_1.raw", "q_7.raw"}), std::nullopt);
+  EXPECT_THAT(gapNote({"t8_c1.raw", "t9_c1.raw", "t10_c1.raw", "t12_c1.raw"}).value_or(""),
+              HasSubstr("t11_c1.raw is missing"));
   EXPECT_EQ(gapNote({"q_0.raw", "q_3.raw", "q_5.raw"}), std::nullopt);
 }
 

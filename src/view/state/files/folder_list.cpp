@@ -10,6 +10,8 @@
 #include <system_error>
 #include <utility>
 
+#include "src/base/files/numbered_name.h"
+
 namespace sluice {
 namespace {
 
@@ -36,25 +38,16 @@ bool isBefore(const FolderEntry& a, const FolderEntry& b) {
   return compared == 0 ? a.name < b.name : compared < 0;
 }
 
-bool isDigit(char letter) {
-  return std::isdigit(static_cast<unsigned char>(letter)) != 0;
-}
-
-struct Number {
-  size_t at = 0, digits = 0;
-};
 // The last number of a name, except numbers that describe the contents (256x256x64, uint8).
-std::optional<Number> numberIn(const std::string& name) {
-  size_t end = name.size();
-  while (end > 0 && !isDigit(name[end - 1])) --end;
-  size_t at = end;
-  while (at > 0 && isDigit(name[at - 1])) --at;
-  const std::string_view before = std::string_view(name).substr(0, at);
+std::optional<DigitRun> countedIn(const std::string& name) {
+  const auto number = lastDigits(name);
+  if (!number) return std::nullopt;
+  const std::string_view before = std::string_view(name).substr(0, number->at);
   // "uint8" and "256x256x64" tell the form of a raw file and count no steps.
-  if (at == end || before.ends_with("int") || before.ends_with("float")) return std::nullopt;
+  if (before.ends_with("int") || before.ends_with("float")) return std::nullopt;
   if (before.size() > 1 && before.ends_with('x') && isDigit(before[before.size() - 2]))
     return std::nullopt;
-  return Number{at, end - at};
+  return number;
 }
 
 // Escapes % in a printf pattern.
@@ -69,28 +62,27 @@ std::string escaped(const std::string& text) {
 std::vector<FolderEntry> joinedSeries(std::vector<std::string> names) {
   struct Member {
     std::string name;
-    Number number;
+    DigitRun number;
   };
   // Names of a series agree in what stands before and behind the number.
   std::map<std::pair<std::string, std::string>, std::vector<Member>> series;
   std::vector<FolderEntry> entries;
   const auto addFile = [&](const std::string& name) { entries.push_back({name, name}); };
   for (std::string& name : names) {
-    const auto number = numberIn(name);
+    const auto number = countedIn(name);
     if (!number) {
       addFile(name);
       continue;
     }
-    const auto key =
-        std::pair(name.substr(0, number->at), name.substr(number->at + number->digits));
+    const auto key = std::pair(name.substr(0, number->at), name.substr(number->at + number->size));
     series[key].push_back({std::move(name), *number});
   }
   for (const auto& [around, members] : series) {
     size_t least = SIZE_MAX;
-    for (const Member& member : members) least = std::min(least, member.number.digits);
+    for (const Member& member : members) least = std::min(least, member.number.size);
     // Longer numbers than the shortest are those that its digits do not hold: no zeros in front.
     const bool is_padded = std::all_of(members.begin(), members.end(), [&](const Member& member) {
-      return member.number.digits == least || member.name[member.number.at] != '0';
+      return member.number.size == least || member.name[member.number.at] != '0';
     });
     if (members.size() < 2 || !is_padded) {
       for (const Member& member : members) addFile(member.name);
