@@ -6,6 +6,7 @@
 
 #include "src/base/error.h"
 #include "src/base/files/number_text.h"
+#include "src/base/values/text_parts.h"
 
 namespace sluice {
 namespace {
@@ -18,12 +19,8 @@ bool isUpper(char c) {
   return c >= 'A' && c <= 'Z';
 }
 
-std::string_view trimmed(std::string_view text) {
-  constexpr std::string_view kPadding(" \0", 2);
-  const size_t first = text.find_first_not_of(kPadding);
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(kPadding) + 1 - first);
-}
+// Values are filled up to an even length, texts with blanks and others with zeros.
+constexpr std::string_view kPadding(" \0", 2);
 
 }  // namespace
 
@@ -102,7 +99,7 @@ std::string DicomElements::text(const DicomElement& element) {
          tagText(element.tag), element.length, kMostTextBytes);
   std::string value(element.length, '\0');
   take(element.at, std::as_writable_bytes(std::span(value)));
-  return std::string(trimmed(value));
+  return std::string(trimmed(value, kPadding));
 }
 
 std::vector<double> DicomElements::decimals(const DicomElement& element) {
@@ -110,7 +107,7 @@ std::vector<double> DicomElements::decimals(const DicomElement& element) {
   std::vector<double> numbers;
   for (std::string_view rest = value; !rest.empty();) {
     const size_t end = std::min(rest.find('\\'), rest.size());
-    std::string_view one = trimmed(rest.substr(0, end));
+    std::string_view one = trimmed(rest.substr(0, end), kPadding);
     // std::from_chars() takes no plus sign, and the type DS may have one.
     if (one.starts_with('+')) one.remove_prefix(1);
     const auto number = numberOf(one);

@@ -18,6 +18,7 @@
 #include "src/base/error.h"
 #include "src/base/files/program_module.h"
 #include "src/base/sources/read_units.h"
+#include "src/base/sources/region_check.h"
 
 namespace sluice {
 namespace {
@@ -72,9 +73,7 @@ class DicomSource final : public VolumeSource, public UnitSource {
 
   void readRegion(int64_t time, const Box3& box, std::span<std::byte> out) override {
     const size_t voxel_bytes = bytesPerVoxel(layout_.type);
-    SLUICE_CHECK(time >= 0 && time < layout_.time_steps);
-    SLUICE_CHECK(!box.empty() && boxOf(layout_.dims).contains(box));
-    SLUICE_CHECK_EQ(out.size(), static_cast<size_t>(box.count()) * voxel_bytes);
+    checkRegion(layout_, time, box, out);
     const size_t plane_bytes = static_cast<size_t>(box.size().x * box.size().y) * voxel_bytes;
     std::byte* to = out.data();
     for (int64_t z = box.lo.z; z < box.hi.z; ++z, to += plane_bytes) {

@@ -7,6 +7,7 @@
 #include "src/base/error.h"
 #include "src/base/files/number_text.h"
 #include "src/base/looks/channel_look.h"
+#include "src/base/values/text_parts.h"
 
 namespace sluice {
 namespace {
@@ -70,16 +71,14 @@ std::vector<int64_t> wishedChannels(const std::string& path, const ChannelWish& 
     add(wish.number ? *wish.number : numberOf(path, wish.name, names, channels));
     return wished;
   }
-  for (size_t at = 0; at <= wish.name.size();) {
-    const size_t end = std::min(wish.name.find(',', at), wish.name.size());
-    const std::string word = wish.name.substr(at, end - at);
+  for (const std::string_view part : split(wish.name, ',')) {
+    const std::string word(part);
     if (word.empty())
       failRequest("{}: --channel {}: expected a channel on both sides of each comma", path,
                   wish.text());
     const auto number = numberIn<int64_t>(word);
     if (number) requireNumber(path, *number, channels);
     add(number ? *number : numberOf(path, word, names, channels));
-    at = end + 1;
   }
   if (wished.size() > kMostChannels)
     failRequest("{}: --channel {}: {} channels, a picture shows {} together at the most", path,

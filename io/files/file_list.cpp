@@ -12,6 +12,7 @@
 #include "src/base/error.h"
 #include "src/base/files/number_text.h"
 #include "src/base/files/numbered_name.h"
+#include "src/base/values/fnv1a.h"
 #include "src/base/values/letter_case.h"
 
 namespace sluice {
@@ -48,12 +49,6 @@ std::string asPattern(const std::string& name) {
   return name.substr(0, digits->at) + number + name.substr(digits->at + digits->size);
 }
 
-uint64_t hash(std::string_view text) {  // FNV-1a
-  uint64_t value = 0xcbf29ce484222325U;
-  for (const char c : text) value = (value ^ static_cast<unsigned char>(c)) * 0x100000001b3U;
-  return value;
-}
-
 }  // namespace
 
 std::string fileIdentity(const std::filesystem::path& path) {
@@ -67,7 +62,7 @@ std::string fileIdentity(const std::vector<std::filesystem::path>& paths) {
     all += File(paths[i]).identity(sampledPages(i, paths.size())) + "\n";
   return fmt::format("{}|{} more|{:016x}",
                      std::filesystem::absolute(paths[0]).lexically_normal().string(),
-                     paths.size() - 1, hash(all));
+                     paths.size() - 1, fnv1a(all));
 }
 
 int sampledPages(size_t index, size_t count) {

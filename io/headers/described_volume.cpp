@@ -9,6 +9,7 @@
 #include "io/headers/decoded_file.h"
 #include "io/headers/raw/raw_source.h"
 #include "src/base/error.h"
+#include "src/base/values/fnv1a.h"
 
 namespace sluice {
 namespace {
@@ -17,9 +18,6 @@ constexpr size_t kFirstHeadBytes = 64 * 1024;
 constexpr size_t kMostHeadBytes = 16 * 1024 * 1024;
 // A volume of more files than this opens them only to read.
 constexpr int64_t kMostFilesOpen = 64;
-
-// Constants of the 64-bit FNV-1a hash.
-constexpr uint64_t kHashStart = 0xcbf29ce484222325, kHashFactor = 0x100000001b3;
 
 std::vector<std::shared_ptr<File>> openFiles(const std::shared_ptr<File>& header,
                                              const FileSet& names) {
@@ -58,10 +56,9 @@ std::string identityOf(const File& header, const std::vector<std::shared_ptr<Fil
   std::string identity = header.identity();
   if (files.size() == 1 && files[0].get() != &header) identity += "|" + files[0]->identity();
   if (files.size() > 1) {
-    uint64_t hash = kHashStart;
+    uint64_t hash = kFnv1aStart;
     for (size_t i = 0; i < files.size(); ++i)
-      for (const char c : files[i]->identity(sampledPages(i, files.size())) + "\n")
-        hash = (hash ^ static_cast<unsigned char>(c)) * kHashFactor;
+      hash = fnv1a(files[i]->identity(sampledPages(i, files.size())) + "\n", hash);
     identity += fmt::format("|{} files {:016x}", files.size(), hash);
   }
   return selection.empty() ? identity : identity + "|" + selection;

@@ -23,12 +23,6 @@ std::optional<T> parseAll(std::string_view text) {
 
 }  // namespace
 
-std::string_view trimmed(std::string_view text) {
-  const size_t begin = text.find_first_not_of(kWhite);
-  if (begin == std::string_view::npos) return {};
-  return text.substr(begin, text.find_last_not_of(kWhite) - begin + 1);
-}
-
 std::vector<std::string_view> splitWords(std::string_view text) {
   std::vector<std::string_view> words;
   size_t begin = text.find_first_not_of(kWhite);

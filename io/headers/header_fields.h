@@ -9,10 +9,10 @@
 #include <string_view>
 #include <vector>
 
+#include "src/base/values/text_parts.h"  // IWYU pragma: export
+
 namespace sluice {
 
-// The text without white space at both ends.
-std::string_view trimmed(std::string_view text);
 // The words between runs of spaces and tabs.
 std::vector<std::string_view> splitWords(std::string_view text);
 

@@ -12,6 +12,7 @@
 #include "io/slices/slice_picture.h"
 #include "src/base/error.h"
 #include "src/base/sources/read_units.h"
+#include "src/base/sources/region_check.h"
 #include "src/base/sources/volume_channels.h"
 #include "src/base/sources/volume_levels.h"
 #include "src/base/threads/mutex.h"
@@ -154,9 +155,7 @@ class SliceStack final : public VolumeSource,
   void copy(PlaneBands& bands, const VolumeLayout& layout, int64_t time, const Box3& box,
             std::span<std::byte> out) {
     const auto voxel_bytes = static_cast<int64_t>(bytesPerVoxel(layout.type));
-    SLUICE_CHECK(time >= 0 && time < layout.time_steps);
-    SLUICE_CHECK(!box.empty() && boxOf(layout.dims).contains(box));
-    SLUICE_CHECK_EQ(out.size(), static_cast<size_t>(box.count() * voxel_bytes));
+    checkRegion(layout, time, box, out);
     std::byte* to = out.data();
     for (int64_t z = box.lo.z; z < box.hi.z; ++z, to += box.size().x * box.size().y * voxel_bytes) {
       stop_.throwIfStopped();

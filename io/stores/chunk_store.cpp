@@ -3,17 +3,9 @@
 #include <algorithm>
 
 #include "src/base/error.h"
+#include "src/base/values/text_parts.h"
 
 namespace sluice {
-namespace {
-
-// A key without the slashes at its end.
-std::string trimmed(std::string key) {
-  while (key.size() > 1 && key.back() == '/') key.pop_back();
-  return key;
-}
-
-}  // namespace
 
 bool ChunkStore::stream(const std::string& key, const KnownPiece& known, const Take& take) {
   std::vector<std::byte> bytes;
@@ -32,15 +24,15 @@ StorePlace StorePlace::at(const std::string& below) const {
 }
 
 StorePlace StorePlace::around() const {
-  const std::string whole = trimmed(store->wholeKey(key));
+  const std::string whole(withoutSlashes(store->wholeKey(key)));
   const size_t end = whole.rfind('/');
   if (end == std::string::npos) return {store, ""};
   return {store, whole.substr(0, end == 0 ? 1 : end)};
 }
 
 std::string StorePlace::lastPart() const {
-  std::string whole = trimmed(store->wholeKey(key));
-  if (whole.empty()) whole = trimmed(store->nameOf(whole));
+  std::string whole(withoutSlashes(store->wholeKey(key)));
+  if (whole.empty()) whole = withoutSlashes(store->nameOf(whole));
   return whole.substr(whole.rfind('/') + 1);
 }
 

@@ -7,6 +7,7 @@
 
 #include "io/files/inflater.h"
 #include "src/base/error.h"
+#include "src/base/values/text_parts.h"
 
 namespace sluice {
 namespace {
@@ -28,9 +29,8 @@ ZipStore::ZipStore(const std::filesystem::path& path)
     : file_(std::make_shared<File>(path)), directory_(*file_), identity_(file_->identity()) {}
 
 std::string ZipStore::wholeKey(const std::string& key) const {
-  std::string whole = std::filesystem::path("/" + key).lexically_normal().string().substr(1);
-  while (whole.ends_with('/')) whole.pop_back();
-  return whole;
+  const std::string normal = std::filesystem::path("/" + key).lexically_normal().string();
+  return std::string(withoutSlashes(normal).substr(1));
 }
 
 bool ZipStore::has(const std::string& key) {

@@ -10,6 +10,7 @@
 #include "io/synth/mean_levels.h"
 #include "io/synth/synth_fields.h"
 #include "src/base/error.h"
+#include "src/base/sources/region_check.h"
 
 namespace sluice {
 namespace {
@@ -176,9 +177,7 @@ class SynthSource : public VolumeSource, public LeveledSource {
 
   void readRegion(int64_t time, const Box3& box, std::span<std::byte> out) override {
     const size_t voxel_bytes = bytesPerVoxel(layout_.type);
-    SLUICE_CHECK(time >= 0 && time < layout_.time_steps);
-    SLUICE_CHECK(!box.empty() && boxOf(layout_.dims).contains(box));
-    SLUICE_CHECK_EQ(out.size(), static_cast<size_t>(box.count()) * voxel_bytes);
+    checkRegion(layout_, time, box, out);
     std::vector<float> row(static_cast<size_t>(box.size().x));
     const size_t row_bytes = row.size() * voxel_bytes;
     std::byte* to = out.data();

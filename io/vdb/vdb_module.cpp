@@ -15,6 +15,7 @@
 #include "io/vdb/vdb_library_grids.h"
 #include "io/vdb/vdb_tree_walk.h"
 #include "src/base/error.h"
+#include "src/base/sources/region_check.h"
 
 namespace sluice {
 namespace {
@@ -126,9 +127,7 @@ class VdbSource final : public VolumeSource {
   uint64_t storedBytesRead() const override { return file_->storedBytesRead(); }
 
   void readRegion(int64_t time, const Box3& box, std::span<std::byte> out) override {
-    SLUICE_CHECK_EQ(time, 0);
-    SLUICE_CHECK(!box.empty() && boxOf(layout_.dims).contains(box));
-    SLUICE_CHECK_EQ(out.size(), static_cast<size_t>(box.count()) * sizeof(Out));
+    checkRegion(layout_, time, box, out);
     std::byte* const voxels = out.data();
     fillRow(voxels, box.count(), grid_->background());
     const Box3 region = translate(box, lo_);

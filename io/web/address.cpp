@@ -4,6 +4,7 @@
 #include <array>
 
 #include "src/base/error.h"
+#include "src/base/values/text_parts.h"
 
 namespace sluice {
 namespace {
@@ -25,7 +26,7 @@ Address bucketAddress(std::string_view rest, const BucketAccess& buckets) {
   Address address;
   address.is_bucket = true;
   if (const std::string& endpoint = buckets.endpoint; !endpoint.empty()) {
-    address.server = endpoint.ends_with('/') ? endpoint.substr(0, endpoint.size() - 1) : endpoint;
+    address.server = withoutSlashes(endpoint);
     address.key = bucket + "/" + key;
   } else if (bucket.find('.') != std::string::npos) {
     // No certificate covers a bucket's name with dots.

@@ -7,6 +7,7 @@
 
 #include "src/base/error.h"
 #include "src/base/files/text_file.h"
+#include "src/base/values/text_parts.h"
 
 namespace sluice {
 namespace {
@@ -14,13 +15,6 @@ namespace {
 namespace fs = std::filesystem;
 
 using Section = std::map<std::string, std::string>;
-
-std::string trimmed(std::string_view text) {
-  constexpr std::string_view kBlanks = " \t\r";
-  const size_t begin = text.find_first_not_of(kBlanks);
-  if (begin == std::string_view::npos) return "";
-  return std::string(text.substr(begin, text.find_last_not_of(kBlanks) - begin + 1));
-}
 
 // One section of a file of "[name]" and "key = value" lines; nullopt if it has none of that name,
 // or if there is no such file.
@@ -31,15 +25,15 @@ std::optional<Section> sectionOf(const fs::path& path, const std::string& name) 
   std::istringstream lines(readTextFile(path, kMostBytes, "a file of profiles"));
   std::optional<Section> section;
   bool is_inside = false;
-  for (std::string line; std::getline(lines, line);) {
-    line = trimmed(line);
+  for (std::string read; std::getline(lines, read);) {
+    const std::string_view line = trimmed(read);
     if (line.empty() || line.front() == '#' || line.front() == ';') continue;
     if (line.front() == '[' && line.back() == ']') {
-      is_inside = trimmed(std::string_view(line).substr(1, line.size() - 2)) == name;
+      is_inside = trimmed(line.substr(1, line.size() - 2)) == name;
       if (is_inside) section.emplace();
-    } else if (const size_t equals = line.find('='); is_inside && equals != std::string::npos) {
-      section->insert_or_assign(trimmed(std::string_view(line).substr(0, equals)),
-                                trimmed(std::string_view(line).substr(equals + 1)));
+    } else if (const size_t equals = line.find('='); is_inside && equals != line.npos) {
+      section->insert_or_assign(std::string(trimmed(line.substr(0, equals))),
+                                trimmed(line.substr(equals + 1)));
     }
   }
   return section;

@@ -13,6 +13,7 @@
 #include "src/base/files/number_text.h"
 #include "src/base/threads/threads.h"
 #include "src/base/values/letter_case.h"
+#include "src/base/values/text_parts.h"
 
 namespace sluice {
 namespace {
@@ -25,12 +26,6 @@ constexpr int kRedirects = 5;
 constexpr uint64_t kMostRedirectBytes = 1 << 16;  // of a body, which says no more than the header
 constexpr int kPollMs = 1000;                     // a wake-up comes before
 constexpr std::chrono::milliseconds kAskStopEvery(50);
-
-std::string_view trimmed(std::string_view text) {
-  const size_t first = text.find_first_not_of(" \t");
-  if (first == std::string_view::npos) return "";
-  return text.substr(first, text.find_last_not_of(" \t\r\n") + 1 - first);
-}
 
 // "bytes 5-9/100", or "bytes */100"
 void takeContentRange(std::string_view value, HttpHead& head) {

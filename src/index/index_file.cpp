@@ -17,6 +17,7 @@
 #include "src/base/files/descriptor.h"
 #include "src/base/memory/large_pages.h"
 #include "src/base/sources/synth_name.h"
+#include "src/base/values/text_parts.h"
 
 namespace sluice {
 namespace {
@@ -158,8 +159,7 @@ IndexPlaces indexPlaces(const std::string& volume, const IndexWish& wish) {
   std::string full = volume;
   std::filesystem::path beside;
   if (!isSynthSpec(volume)) {
-    full = std::filesystem::absolute(volume, ignored).lexically_normal().string();
-    while (full.size() > 1 && full.back() == '/') full.pop_back();
+    full = withoutSlashes(std::filesystem::absolute(volume, ignored).lexically_normal().native());
     beside = full + ".sluice-index";
   }
   if (!wish.folder.empty()) {

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "src/base/files/byte_stream.h"
+#include "src/base/values/fnv1a.h"
 
 namespace sluice {
 namespace {
@@ -199,14 +200,6 @@ bool unpackSeries(ByteReader& in, const SeriesRecipe& recipe, SeriesOpacity& ser
   return std::ranges::equal(series.tree->bits(), bits);
 }
 
-// The hash only makes the key's name. The transfer function itself is in the file and compared
-// there.
-uint64_t hashOf(const std::vector<std::byte>& bytes) {
-  uint64_t hash = 0xcbf29ce484222325U;  // FNV-1a
-  for (const std::byte byte : bytes) hash = (hash ^ static_cast<uint64_t>(byte)) * 0x100000001b3U;
-  return hash;
-}
-
 std::vector<std::byte> bytesOf(const TransferFunction& transfer) {
   ByteWriter out;
   write(out, transfer);
@@ -221,11 +214,13 @@ bool sameOpacity(const TransferFunction& a, const TransferFunction& b) {
 
 IndexKey seriesKey(const VolumeSource& source, const SeriesRecipe& recipe) {
   const BlockLayout& layout = recipe.layout;
+  // The hash only makes the key's name. The transfer function itself is in the file and compared
+  // there.
   return {source.identity(),
           fmt::format("opacity-{}{}-{}-p{}.{}-d{}-e{}-of{}-{:016x}", layout.size,
                       layout.ghost == 0 ? "" : "-lit", selectionOf(source.layout(), 0),
                       recipe.part_cells, recipe.detail_bits, recipe.directions.rows,
-                      recipe.difference, recipe.steps, hashOf(bytesOf(recipe.transfer))),
+                      recipe.difference, recipe.steps, fnv1a(bytesOf(recipe.transfer))),
           kSeriesVersion};
 }
 

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "src/base/error.h"
+#include "src/base/sources/region_check.h"
 #include "src/base/sources/volume_source.h"
 
 namespace sluice {
@@ -36,9 +37,7 @@ class FunctionSource : public VolumeSource {
 
   const VolumeLayout& layout() const override { return layout_; }
   void readRegion(int64_t time, const Box3& box, std::span<std::byte> out) override {
-    SLUICE_CHECK(time >= 0 && time < layout_.time_steps);
-    SLUICE_CHECK(!box.empty() && boxOf(layout_.dims).contains(box));
-    SLUICE_CHECK_EQ(out.size(), static_cast<size_t>(box.count()) * bytesPerVoxel(layout_.type));
+    checkRegion(layout_, time, box, out);
     visitVoxelType(layout_.type, [&](auto tag) {
       std::byte* to = out.data();
       for (int64_t z = box.lo.z; z < box.hi.z; ++z)

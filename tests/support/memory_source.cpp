@@ -1,6 +1,7 @@
 #include "tests/support/memory_source.h"
 
 #include "src/base/error.h"
+#include "src/base/sources/region_check.h"
 
 namespace sluice {
 namespace {
@@ -22,9 +23,7 @@ MemorySource::MemorySource(VolumeLayout layout, std::vector<std::byte> voxels)
 void MemorySource::readRegion(int64_t time, const Box3& box, std::span<std::byte> out) {
   const Vec3i dims = layout_.dims;
   const auto voxel_bytes = static_cast<int64_t>(bytesPerVoxel(layout_.type));
-  SLUICE_CHECK(time >= 0 && time < layout_.time_steps);
-  SLUICE_CHECK(!box.empty() && boxOf(dims).contains(box));
-  SLUICE_CHECK_EQ(static_cast<int64_t>(out.size()), box.count() * voxel_bytes);
+  checkRegion(layout_, time, box, out);
   const auto row_bytes = static_cast<size_t>(box.size().x * voxel_bytes);
   std::byte* to = out.data();
   for (int64_t z = box.lo.z; z < box.hi.z; ++z)

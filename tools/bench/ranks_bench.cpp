@@ -13,6 +13,7 @@
 #include "tools/bench/bench.h"
 #include "tools/command_line/console.h"
 #include "tools/command_line/interrupt.h"
+#include "tools/command_line/parse.h"
 #include "tools/scene/open_scene.h"
 #include "tools/scene/rank_agreement.h"
 #include "tools/scene/ranks.h"
@@ -130,17 +131,9 @@ void printRanks(const json& report) {
 // "1,2,4".
 std::optional<std::vector<int>> rankCounts(const std::string& word) {
   constexpr int kMostRanks = 64;
-  // getline() would pass over an empty last part.
-  if (word.ends_with(',')) return std::nullopt;
-  std::vector<int> counts;
-  std::stringstream rest(word);
-  for (std::string part; std::getline(rest, part, ',');) {
-    const auto count = parseIn<int>(part, {1, kMostRanks});
-    if (!count) return std::nullopt;
-    counts.push_back(*count);
-  }
-  if (counts.empty()) return std::nullopt;
-  return counts;
+  return parseList<int>(word, [](const std::string& part) {
+    return parseIn<int>(part, {1, kMostRanks});
+  });
 }
 
 }  // namespace

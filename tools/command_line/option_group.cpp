@@ -130,17 +130,6 @@ std::string OptionGroup::longName(const std::string& names) {
   return names.substr(dashes, names.find(',', dashes) - dashes);
 }
 
-std::vector<std::string> OptionGroup::parts(const std::string& given) {
-  std::vector<std::string> found(1);
-  for (const char c : given) {
-    if (c == ',')
-      found.emplace_back();
-    else
-      found.back() += c;
-  }
-  return found;
-}
-
 void OptionGroup::refuse(const std::string& name, const std::string& found,
                          const std::string& expected) {
   throw CLI::ValidationError(fmt::format("{}: expected {}, found '{}'", name, expected, found));

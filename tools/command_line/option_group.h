@@ -24,6 +24,7 @@
 #include <utility>
 #include <vector>
 
+#include "src/base/values/text_parts.h"
 #include "src/base/values/vec.h"
 #include "tools/command_line/number.h"
 
@@ -150,10 +151,10 @@ class OptionGroup {
                        std::vector<Value>& target, const std::string& help) const {
     const auto take = [=, &target](const std::string& given) {
       target.clear();
-      for (const std::string& word : parts(given)) {
+      for (const std::string_view word : split(given, ',')) {
         const auto known = std::find_if(words.begin(), words.end(),
                                         [&](const auto& each) { return each.first == word; });
-        if (known == words.end()) refuseWord(longName(names), word, namesOf(words));
+        if (known == words.end()) refuseWord(longName(names), std::string(word), namesOf(words));
         target.push_back(known->second);
       }
     };
@@ -199,7 +200,6 @@ class OptionGroup {
   // The placeholder of the value in --help: the words if they are few, else NAME.
   static std::string chooseName(const std::vector<std::string>& words);
   // The parts between commas.
-  static std::vector<std::string> parts(const std::string& given);
   // The long name of "-s,--size".
   static std::string longName(const std::string& names);
   [[noreturn]] static void refuse(const std::string& name, const std::string& found,

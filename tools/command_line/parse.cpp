@@ -3,6 +3,7 @@
 #include <charconv>
 #include <cmath>
 
+#include "src/base/looks/color_word.h"
 #include "src/classify/transfer/color_maps.h"
 
 namespace sluice {

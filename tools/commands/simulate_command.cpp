@@ -12,6 +12,7 @@
 #include "src/base/sources/synth_name.h"
 #include "src/base/values/bytes.h"
 #include "tools/command_line/console.h"
+#include "tools/command_line/parse.h"
 #include "tools/commands/commands.h"
 #include "tools/options/picture_checks.h"
 #include "tools/options/shared_options.h"
@@ -107,21 +108,6 @@ void checkArguments(const CLI::App& app, const SimulateArguments& arguments,
     throw CLI::ValidationError("--report", "with --sample is JSON, not a page");
   if (arguments.csv_file == "-" && arguments.json)
     throw CLI::ValidationError("--csv", "- and --json both want the standard output");
-}
-
-// The words between commas, each understood by `parse`; nullopt if one is not.
-template <class Value, class Parse>
-std::optional<std::vector<Value>> parseList(const std::string& given, Parse parse) {
-  std::vector<Value> values;
-  // An end of the text counts as a comma, so that an empty last word is refused.
-  for (size_t at = 0; at <= given.size();) {
-    const size_t comma = std::min(given.find(',', at), given.size());
-    const std::optional<Value> value = parse(given.substr(at, comma - at));
-    if (!value) return std::nullopt;
-    values.push_back(*value);
-    at = comma + 1;
-  }
-  return values;
 }
 
 // "4096" or "10M" pages.

@@ -1,5 +1,6 @@
 #include <utility>
 
+#include "src/base/looks/color_word.h"
 #include "src/classify/transfer/color_maps.h"
 #include "src/library/conversions.h"
 #include "tools/command_line/interrupt.h"

@@ -18,31 +18,19 @@ namespace {
 
 // "40:0,60:0.1".
 std::optional<OptionValue> pointsOf(const std::string& word) {
-  std::vector<OptionReals> points;
-  for (size_t from = 0; from <= word.size();) {
-    const size_t end = std::min(word.find(',', from), word.size());
-    std::string pair = word.substr(from, end - from);
+  return parseList<OptionReals>(word, [](std::string pair) -> std::optional<OptionReals> {
     const size_t colon = pair.find(':');
     if (colon == std::string::npos) return std::nullopt;
     pair[colon] = ',';
-    const auto numbers = parseNumbers(pair, 2);
-    if (!numbers) return std::nullopt;
-    points.push_back(*numbers);
-    from = end + 1;
-  }
-  return points;
+    return parseNumbers(pair, 2);
+  });
 }
 
 // "300:0.4,1200".
 std::optional<OptionValue> surfacesOf(const std::string& word) {
-  std::vector<std::string> surfaces;
-  for (size_t from = 0; from <= word.size();) {
-    const size_t end = std::min(word.find(',', from), word.size());
-    surfaces.push_back(word.substr(from, end - from));
-    if (!parseSurfaceLook(surfaces.back())) return std::nullopt;
-    from = end + 1;
-  }
-  return surfaces;
+  return parseList<std::string>(word, [](const std::string& surface) {
+    return parseSurfaceLook(surface) ? std::optional(surface) : std::nullopt;
+  });
 }
 
 std::optional<OptionValue> wholesOf(const OptionReals& numbers) {

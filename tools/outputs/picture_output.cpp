@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "src/annotate/annotate.h"
+#include "src/base/values/text_parts.h"
 #include "src/render/camera/frame_setup.h"
 #include "src/render/camera/index_space.h"
 #include "tools/command_line/interrupt.h"
@@ -107,14 +108,11 @@ Annotations annotationsOf(const PictureOutput& output, const FrameOptions& optio
 std::optional<Aovs> parseAovs(std::string_view list) {
   Aovs aovs;
   if (list == "none") return aovs;
-  while (true) {
-    const size_t comma = list.find(',');
-    const std::string_view word = list.substr(0, comma);
+  for (const std::string_view word : split(list, ',')) {
     if (word != "depth" && word != "opacity") return std::nullopt;
     (word == "depth" ? aovs.depth : aovs.opacity) = true;
-    if (comma == std::string_view::npos) return aovs;
-    list.remove_prefix(comma + 1);
   }
+  return aovs;
 }
 
 Picture shownPicture(const Picture& picture, const PictureOutput& output,

@@ -9,6 +9,7 @@
 #include "io/files/swap_bytes.h"
 #include "src/base/error.h"
 #include "src/base/memory/aligned_array.h"
+#include "src/base/sources/region_check.h"
 
 namespace sluice {
 namespace {
@@ -219,11 +220,7 @@ void RawSource::readRegions(int64_t time, std::span<const RegionRead> regions) {
   }
   const Vec3i dims = layout_.dims;
   const auto voxel_bytes = static_cast<int64_t>(bytesPerVoxel(layout_.type));
-  SLUICE_CHECK(time >= 0 && time < layout_.time_steps);
-  for (const auto& [box, out] : regions) {
-    SLUICE_CHECK(!box.empty() && boxOf(dims).contains(box));
-    SLUICE_CHECK_EQ(static_cast<int64_t>(out.size()), box.count() * voxel_bytes);
-  }
+  for (const auto& [box, out] : regions) checkRegion(layout_, time, box, out);
   std::vector<RegionRead> sorted(regions.begin(), regions.end());
   std::sort(sorted.begin(), sorted.end(),
             [](const RegionRead& a, const RegionRead& b) { return a.box.lo.x < b.box.lo.x; });

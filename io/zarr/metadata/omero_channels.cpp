@@ -3,11 +3,11 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <charconv>
 #include <optional>
 #include <string_view>
 
 #include "src/base/files/json_field.h"
+#include "src/base/looks/color_word.h"
 
 namespace sluice {
 namespace {
@@ -15,13 +15,9 @@ namespace {
 // A text of six hexadecimal digits.
 std::optional<std::array<double, 3>> colorOf(const JsonField& field) {
   if (!field.isText()) return std::nullopt;
-  std::string_view text = field.text();
-  if (text.starts_with('#')) text.remove_prefix(1);
-  unsigned rgb = 0;
-  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), rgb, 16);
-  if (text.size() != 6 || status != std::errc() || end != text.data() + text.size())
-    return std::nullopt;
-  return std::array{(rgb >> 16) / 255.0, (rgb >> 8 & 255) / 255.0, (rgb & 255) / 255.0};
+  const std::optional<Vec3d> rgb = hexColor(field.text());
+  if (!rgb) return std::nullopt;
+  return std::array{rgb->x, rgb->y, rgb->z};
 }
 
 // The part of a window that is shown, whose ends are two different numbers.

@@ -10,6 +10,7 @@
 #include "io/files/missing_values.h"
 #include "io/zarr/reading/zarr_rows.h"
 #include "src/base/error.h"
+#include "src/base/sources/region_check.h"
 
 namespace sluice {
 
@@ -253,9 +254,7 @@ void ChunkedSource::copyChunk(std::span<const std::byte> chunk, int64_t time, co
 void ChunkedSource::readRegion(int64_t time, const Box3& box, std::span<std::byte> out) {
   const VolumeLayout& layout = view_.layout;
   const auto voxel = static_cast<int64_t>(fill_.size());
-  SLUICE_CHECK(!box.empty() && boxOf(layout.dims).contains(box));
-  SLUICE_CHECK(time >= 0 && time < layout.time_steps);
-  SLUICE_CHECK_EQ(static_cast<int64_t>(out.size()), box.count() * voxel);
+  checkRegion(layout, time, box, out);
   const auto partAt = [&](Vec3i corner) {
     return intersect(box, {corner, corner + chunkVoxels()});
   };

@@ -7,6 +7,8 @@
 #include <cstdint>
 #include <string>
 
+#include "src/base/values/fnv1a.h"
+
 namespace sluice {
 namespace {
 
@@ -15,13 +17,6 @@ size_t longestName(const std::filesystem::path& folder) {
   constexpr long kUsual = 255;
   const long told = pathconf(folder.empty() ? "." : folder.c_str(), _PC_NAME_MAX);
   return static_cast<size_t>(told > 0 ? told : kUsual);
-}
-
-// FNV-1a. It is the same in every run, so that an interrupted run finds its file again.
-uint32_t checksumOf(std::string_view text) {
-  uint32_t sum = 2166136261U;
-  for (const char c : text) sum = (sum ^ static_cast<unsigned char>(c)) * 16777619U;
-  return sum;
 }
 
 bool continuesCharacter(char c) {
@@ -34,7 +29,8 @@ std::filesystem::path suffixedName(const std::filesystem::path& path, std::strin
   const std::string name = path.filename().string();
   const size_t longest = longestName(path.parent_path());
   if (name.size() + suffix.size() <= longest) return path.string() + std::string(suffix);
-  const std::string end = fmt::format("~{:08x}{}", checksumOf(name), suffix);
+  // The checksum is the same in every run, so that an interrupted run finds its file again.
+  const std::string end = fmt::format("~{:08x}{}", static_cast<uint32_t>(fnv1a(name)), suffix);
   size_t kept = longest > end.size() ? std::min(longest - end.size(), name.size()) : 0;
   while (kept > 0 && kept < name.size() && continuesCharacter(name[kept])) --kept;
   return path.parent_path() / (name.substr(0, kept) + end);

@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
+#include <span>
+#include <vector>
 
 #include "src/base/files/number_text.h"
+#include "src/base/values/text_parts.h"
 
 namespace sluice {
 namespace {
@@ -25,15 +27,14 @@ bool isLabelTable(std::string_view map) {
 }
 
 std::optional<ChannelLook> parseChannelLook(std::string_view text) {
-  const std::string_view head = text.substr(0, text.find(','));
+  const std::vector<std::string_view> parts = split(text, ',');
+  const std::string_view head = parts.front();
   // The last colon, since names of channels may have some.
   const size_t colon = head.rfind(':');
   if (colon == std::string_view::npos || colon == 0) return std::nullopt;
   ChannelLook look{.channel = std::string(head.substr(0, colon)),
                    .map = std::string(head.substr(colon + 1))};
-  for (size_t at = head.size(); at < text.size();) {
-    const size_t end = std::min(text.find(',', at + 1), text.size());
-    const std::string_view part = text.substr(at + 1, end - at - 1);
+  for (const std::string_view part : std::span(parts).subspan(1)) {
     const bool is_range = part.find(':') != std::string_view::npos;
     // A range comes before the opacity, and each once.
     if (is_range ? look.range || look.opacity : look.opacity.has_value()) return std::nullopt;
@@ -44,7 +45,6 @@ std::optional<ChannelLook> parseChannelLook(std::string_view text) {
       look.opacity = numberOf(part);
       if (!look.opacity || *look.opacity < 0 || *look.opacity > 1) return std::nullopt;
     }
-    at = end;
   }
   return look;
 }

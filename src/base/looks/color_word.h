@@ -2,9 +2,12 @@
 #pragma once
 
 #include <algorithm>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+
+#include "src/base/values/vec.h"
 
 namespace sluice {
 
@@ -17,5 +20,7 @@ inline bool isColorWord(std::string_view word) {
 
 // "ff8800", the word for red, green and blue from 0 to 1.
 std::string colorWord(std::span<const double> rgb);
+// The colour of six hexadecimal digits, red first, with or without '#'; nullopt for other texts.
+std::optional<Vec3d> hexColor(std::string_view text);
 
 }  // namespace sluice

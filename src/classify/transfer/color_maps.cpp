@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "src/base/error.h"
+#include "src/base/looks/color_word.h"
 #include "src/classify/transfer/color_spaces.h"
 
 namespace sluice {
@@ -154,18 +155,6 @@ std::span<const std::string_view> colorMapNames() {
 
 std::span<const std::string_view> solidColorNames() {
   return kColorNames;
-}
-
-std::optional<Vec3d> hexColor(std::string_view text) {
-  if (text.starts_with('#')) text.remove_prefix(1);
-  unsigned rgb = 0;
-  const char* end = text.data() + text.size();
-  const auto [read, status] = std::from_chars(text.data(), end, rgb, 16);
-  // from_chars() stops at the first wrong character, so that the end tells whether it read all.
-  if (text.size() != 6 || status != std::errc() || read != end) return std::nullopt;
-  return Vec3d{static_cast<double>(rgb >> 16), static_cast<double>(rgb >> 8 & 255),
-               static_cast<double>(rgb & 255)} /
-         255.0;
 }
 
 std::optional<Vec3d> solidColor(std::string_view name) {

@@ -28,8 +28,6 @@ std::span<const std::string_view> colorMapNames();
 std::optional<Vec3d> solidColor(std::string_view name);
 // Their names, in the order in which help lists them.
 std::span<const std::string_view> solidColorNames();
-// Parses six hexadecimal digits, red first, with or without '#'.
-std::optional<Vec3d> hexColor(std::string_view text);
 
 // The control points of a map over 0..1, the first at 0, the last at 1; both points of a plain
 // colour are that colour. nullopt for an unknown name.

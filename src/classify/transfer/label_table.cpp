@@ -12,6 +12,7 @@
 #include "src/base/files/json_field.h"
 #include "src/base/files/number_text.h"
 #include "src/base/files/text_file.h"
+#include "src/base/values/text_parts.h"
 #include "src/classify/transfer/color_maps.h"
 
 namespace sluice {
@@ -21,13 +22,6 @@ constexpr uint64_t kMostTableBytes = uint64_t{16} << 20;
 constexpr const char* kExpectedLine =
     "NUMBER R G B A VISIBLE MESH \"NAME\" as ITK-SNAP writes it, or NUMBER NAME R G B A as 3D "
     "Slicer does, with whole numbers for the label and, from 0 to 255, for colours";
-
-std::string_view trimmed(std::string_view text) {
-  constexpr std::string_view kBlank = " \t\r";
-  const size_t first = text.find_first_not_of(kBlank);
-  if (first == text.npos) return {};
-  return text.substr(first, text.find_last_not_of(kBlank) - first + 1);
-}
 
 // The next word of the line, which is taken off.
 std::string_view nextWord(std::string_view& rest) {

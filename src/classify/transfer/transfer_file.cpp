@@ -10,6 +10,7 @@
 #include "src/base/error.h"
 #include "src/base/files/json_field.h"
 #include "src/base/files/text_file.h"
+#include "src/base/looks/color_word.h"
 #include "src/classify/transfer/color_maps.h"
 #include "src/classify/transfer/paraview_map.h"
 
