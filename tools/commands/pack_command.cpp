@@ -159,6 +159,77 @@ Vec3i shardOf(const PackArguments& arguments, int64_t chunk) {
   return arguments.shard.value_or(Vec3i{side, side, side});
 }
 
+// The options as given, completed from the volume and the machine.
+PackOptions packOptions(const PackArguments& arguments, Vec3i dims) {
+  PackOptions options = arguments.pack;
+  options.downsample = inOrder(options.downsample);
+  options.stop = interruption();
+  options.chunk_voxels = chunkSide(arguments, dims);
+  if (arguments.zarr == 3) options.shard_voxels = shardOf(arguments, options.chunk_voxels);
+  options.memory_bytes = memoryBudget(arguments.resources);
+  options.blosc.level = arguments.level != 0                      ? arguments.level
+                        : options.blosc.codec == BloscCodec::kLz4 ? kLz4Level
+                                                                  : kZstdLevel;
+  return options;
+}
+
+struct Packed {
+  PackReport store = {};
+  size_t channels = 0;
+  bool is_verified = false;
+  std::shared_ptr<const IndexedRanges> index = {};
+  double index_seconds = 0;
+
+  double ratio() const {
+    return static_cast<double>(store.voxel_bytes) /
+           static_cast<double>(std::max<uint64_t>(1, store.stored_bytes));
+  }
+};
+
+void sayPackedJson(const Packed& packed, const std::string& output) {
+  const PackReport& report = packed.store;
+  const IndexedRanges& index = *packed.index;
+  const nlohmann::json json{
+      {"output", output},
+      {"chunks",
+       {{"count", report.chunks}, {"empty", report.empty_chunks}, {"kept", report.kept_chunks}}},
+      {"files", report.files},
+      {"channels", packed.channels},
+      {"levels", 1 + report.levels.size()},
+      {"voxel_bytes", report.voxel_bytes},
+      {"stored_bytes", report.stored_bytes},
+      {"ratio", packed.ratio()},
+      {"verified", packed.is_verified},
+      {"seconds",
+       {{"pack", report.pack_seconds},
+        {"verify", report.verify_seconds},
+        {"index", packed.index_seconds}}},
+      {"index", {{"path", index.path.string()}, {"state", name(index.origin)}}},
+      {"peak_rss_bytes", peakResidentBytes()}};
+  sayJson(json);
+}
+
+void sayPacked(const Packed& packed, const std::string& output) {
+  const PackReport& report = packed.store;
+  const IndexedRanges& index = *packed.index;
+  say("{}\n", output);
+  if (packed.channels > 1) say("  {} channels\n", packed.channels);
+  for (size_t i = 0; i < report.levels.size(); ++i) {
+    const Vec3i dims = report.levels[i];
+    say("  level {}: {} x {} x {} voxels\n", i + 1, dims.x, dims.y, dims.z);
+  }
+  say("  {} chunks, {} of them empty, in {} files{}{}\n", report.chunks, report.empty_chunks,
+      report.files,
+      report.kept_chunks == 0 ? ""
+                              : fmt::format(", {} done before an interruption", report.kept_chunks),
+      packed.is_verified ? ", all equal to the volume" : "");
+  say("  {} as {}: {:.2f} to 1, in {:.1f} s\n", formatBytes(report.voxel_bytes),
+      formatBytes(report.stored_bytes), packed.ratio(),
+      report.pack_seconds + report.verify_seconds);
+  say("  index {}{}{}{}\n", name(index.origin), index.path.empty() ? "" : ": ", index.path.string(),
+      index.note.empty() ? "" : " (" + index.note + ")");
+}
+
 int pack(const PackArguments& arguments) {
   if (arguments.zarr == 2 && arguments.shard)
     failUsage("--shard: Zarr 2 has no shards, expected --zarr 3 with it");
@@ -178,71 +249,26 @@ int pack(const PackArguments& arguments) {
   // The other files of a series are known only now.
   outputs.check(channels.front()->files());
   Workers pool(arguments.resources.threads);
-  const VolumeLayout& layout = channels.front()->layout();
-  PackOptions options = arguments.pack;
-  options.downsample = inOrder(options.downsample);
-  options.stop = interruption();
-  options.chunk_voxels = chunkSide(arguments, layout.dims);
-  if (arguments.zarr == 3) options.shard_voxels = shardOf(arguments, options.chunk_voxels);
-  options.memory_bytes = memoryBudget(arguments.resources);
-  options.blosc.level = arguments.level != 0                      ? arguments.level
-                        : options.blosc.codec == BloscCodec::kLz4 ? kLz4Level
-                                                                  : kZstdLevel;
+  const PackOptions options = packOptions(arguments, channels.front()->layout().dims);
   const uint64_t bytes = packedBytes(channels) * (options.verify ? 2 : 1);
-  PackReport report;
+  Packed packed{.channels = channels.size(), .is_verified = options.verify};
   {
     ProgressMeter progress =
         arguments.resources.quiet ? ProgressMeter() : ProgressMeter(progressLine("packing"), bytes);
     sayWhenInterrupted("interrupted; run the same command again to continue");
-    report = packZarr(channels, arguments.output, options, pool, progress);
+    packed.store = packZarr(channels, arguments.output, options, pool, progress);
     // The store is whole, its index may not be.
     sayWhenInterrupted("interrupted; the store is complete, and its first use makes its index");
   }
   removeOldIndices(arguments);
   const Stopwatch watch;
-  const auto kept = indexStore(arguments, channels.size(), pool);
-  const IndexedRanges& index = *kept;
-  const double index_seconds = watch.seconds();
-  const double ratio = static_cast<double>(report.voxel_bytes) /
-                       static_cast<double>(std::max<uint64_t>(1, report.stored_bytes));
-  if (arguments.json) {
-    const nlohmann::json json{
-        {"output", arguments.output},
-        {"chunks",
-         {{"count", report.chunks}, {"empty", report.empty_chunks}, {"kept", report.kept_chunks}}},
-        {"files", report.files},
-        {"channels", channels.size()},
-        {"levels", 1 + report.levels.size()},
-        {"voxel_bytes", report.voxel_bytes},
-        {"stored_bytes", report.stored_bytes},
-        {"ratio", ratio},
-        {"verified", options.verify},
-        {"seconds",
-         {{"pack", report.pack_seconds},
-          {"verify", report.verify_seconds},
-          {"index", index_seconds}}},
-        {"index", {{"path", index.path.string()}, {"state", name(index.origin)}}},
-        {"peak_rss_bytes", peakResidentBytes()}};
-    sayJson(json);
-    return 0;
-  }
-  if (arguments.resources.quiet) return kDone;
-  say("{}\n", arguments.output);
-  if (channels.size() > 1) say("  {} channels\n", channels.size());
-  for (size_t i = 0; i < report.levels.size(); ++i) {
-    const Vec3i dims = report.levels[i];
-    say("  level {}: {} x {} x {} voxels\n", i + 1, dims.x, dims.y, dims.z);
-  }
-  say("  {} chunks, {} of them empty, in {} files{}{}\n", report.chunks, report.empty_chunks,
-      report.files,
-      report.kept_chunks == 0 ? ""
-                              : fmt::format(", {} done before an interruption", report.kept_chunks),
-      options.verify ? ", all equal to the volume" : "");
-  say("  {} as {}: {:.2f} to 1, in {:.1f} s\n", formatBytes(report.voxel_bytes),
-      formatBytes(report.stored_bytes), ratio, report.pack_seconds + report.verify_seconds);
-  say("  index {}{}{}{}\n", name(index.origin), index.path.empty() ? "" : ": ", index.path.string(),
-      index.note.empty() ? "" : " (" + index.note + ")");
-  return 0;
+  packed.index = indexStore(arguments, channels.size(), pool);
+  packed.index_seconds = watch.seconds();
+  if (arguments.json)
+    sayPackedJson(packed, arguments.output);
+  else if (!arguments.resources.quiet)
+    sayPacked(packed, arguments.output);
+  return kDone;
 }
 
 int check(const PackArguments& arguments) {

@@ -65,7 +65,7 @@ Picture blendedPicture(const std::vector<std::unique_ptr<Session>>& channels, De
   return blendedFrame(Session::parts(sessions), device, reports).picture;
 }
 
-// The channels of the scene in its order.
+// The channels of the scene in its order, with pages alike if they are blended.
 std::vector<IndexedVolume> openAnew(const Scene& scene, const VerifiedView& view,
                                     const IndexPass& pass) {
   std::vector<ChannelSource> opened = openChannels(view.volume);
@@ -74,6 +74,11 @@ std::vector<IndexedVolume> openAnew(const Scene& scene, const VerifiedView& view
   std::vector<IndexedVolume> volumes;
   for (size_t i = 0; i < layers.size(); ++i)
     volumes.push_back(openAnew(*layers[i], std::move(opened[i]), view, pass));
+  if (!scene.blends()) return volumes;
+  std::vector<std::pair<const IndexedVolume*, PageGeometry*>> pages;
+  pages.reserve(volumes.size());
+  for (IndexedVolume& volume : volumes) pages.emplace_back(&volume, &volume.page);
+  evenOutPages(pages);
   return volumes;
 }
 
@@ -149,6 +154,73 @@ Picture pictureOfRays(Session& session, FrameOptions options, PixelRays rays) {
   return result;
 }
 
+// The picture's options for the plain picture, fitted to the volumes anew. Adds to `unchecked`.
+FrameOptions fittedOptions(const Scene& scene, const VerifiedView& view, FrameOptions options,
+                           const std::vector<IndexedVolume>& volumes, const IndexPass& pass,
+                           std::vector<std::string>& unchecked) {
+  // Pictures of a cut have plain samples.
+  if (drawsCut(scene.volume.step(), options.cut, options.mode, scene.look.transfer))
+    options.integrates = false;
+  options = plainOptions(std::move(options));
+  std::vector<Camera> cameras = view.cameras;
+  if (volumes.front().source->layout().time_steps == 1 || view.this_step) {
+    const std::vector<const Layer*> layers = scene.layers();
+    std::vector<FittedVolume> fitted;
+    for (size_t i = 0; i < layers.size(); ++i)
+      fitted.push_back({volumes[i], volumes[i].step(), layers[i]->look.transfer});
+    const FitRequest request{std::move(fitted), options, true};
+    fitCameras(cameras, view.fit, request, view.room, pass);
+    options.shown_points = depthPoints(request, pass);
+    options.camera = cameras.at(view.frame);
+  } else {
+    if (fitOf(cameras, view.fit) == Fit::kVisible)
+      unchecked.emplace_back("the fit to all time steps");
+    if (colorsByDepth(options)) unchecked.emplace_back("the depths of all time steps");
+  }
+  // Slices of the finest level lie closer than those of a picture from coarser ones.
+  if (scene.volume.pyramid != nullptr && !view.has_step)
+    options.step_vox = std::min(options.step_vox, finestStep(volumes, options));
+  return options;
+}
+
+// `blocks`: null: those that the transfer function shows.
+Picture plainPicture(Scene& scene, const VerifiedView& view, const FrameOptions& options,
+                     const std::vector<IndexedVolume>& volumes, const IndexPass& pass,
+                     BlockChooser* blocks) {
+  const std::vector<Layer*> layers = scene.layers();
+  std::optional<Picture> sum;
+  std::vector<std::unique_ptr<Session>> blended;
+  for (size_t i = 0; i < layers.size(); ++i) {
+    const Layer& layer = *layers[i];
+    // Blended channels are drawn together, each with its own share; others one after the other.
+    SessionOptions session =
+        sessionOptions(volumes[i], layer.look.lit, view.resources, Partition::kBlocks,
+                       scene.blends() ? memoryBudget(layer.machine) : scene.memory_bytes);
+    session.beside_bytes += layers.size() * layer.part_bytes;
+    auto plain = std::make_unique<Session>(stepOf(volumes[i], layer, view.time, pass),
+                                           *scene.device, scene.pool, session);
+    plain->setTransferFunction(layer.look.transfer);
+    plain->chooseBlocksBy(blocks);
+    const PixelRays rays = raysOf(view, i);
+    FrameOptions own = scene.optionsOf(layer, options);
+    // Slices are no farther apart than rays.
+    if (rays.a_side > 1 && !traitsOf(own.mode).on_planes) own.step_vox /= 2;
+    plain->setOptions(own);
+    if (scene.blends()) {
+      blended.push_back(std::move(plain));
+      continue;
+    }
+    Picture drawn = pictureOfRays(*plain, own, rays);
+    if (!sum)
+      sum = std::move(drawn);
+    else
+      addPicture(*sum, drawn, scene.pool);
+  }
+  if (scene.blends()) return blendedPicture(blended, *scene.device);
+  if (layers.size() > 1) limitSum(*sum, scene.pool);
+  return *std::move(sum);
+}
+
 void compare(const Picture& plain, const Picture& picture, Verification& result) {
   double sum = 0;
   for (size_t pixel = 0; pixel < plain.rgba.size(); pixel += 4) {
@@ -181,74 +253,14 @@ Verification verify(Scene& scene, const VerifiedView& view, FrameOptions options
   }
   ProgressMeter progress(view.resources.quiet ? ProgressWatch() : progressLine("verifying"));
   const IndexPass pass = passOf(scene, progress);
-  std::vector<IndexedVolume> volumes = openAnew(scene, view, pass);
-  if (scene.blends()) {
-    std::vector<std::pair<const IndexedVolume*, PageGeometry*>> pages;
-    pages.reserve(volumes.size());
-    for (IndexedVolume& volume : volumes) pages.emplace_back(&volume, &volume.page);
-    evenOutPages(pages);
-  }
-  const std::vector<Layer*> layers = scene.layers();
-  const VolumeLayout& layout = volumes.front().source->layout();
-  const bool is_cut = scene.volume.pyramid != nullptr;
-  // Pictures of a cut have plain samples.
-  if (drawsCut(scene.volume.step(), options.cut, options.mode, scene.look.transfer))
-    options.integrates = false;
-  options = plainOptions(std::move(options));
-  std::vector<Camera> cameras = view.cameras;
-  if (layout.time_steps == 1 || view.this_step) {
-    std::vector<FittedVolume> fitted;
-    for (size_t i = 0; i < layers.size(); ++i)
-      fitted.push_back({volumes[i], volumes[i].step(), layers[i]->look.transfer});
-    const FitRequest request{std::move(fitted), options, true};
-    fitCameras(cameras, view.fit, request, view.room, pass);
-    options.shown_points = depthPoints(request, pass);
-    options.camera = cameras.at(view.frame);
-  } else {
-    if (fitOf(cameras, view.fit) == Fit::kVisible)
-      result.unchecked.emplace_back("the fit to all time steps");
-    if (colorsByDepth(options)) result.unchecked.emplace_back("the depths of all time steps");
-  }
-  // Slices of the finest level lie closer than those of a picture from coarser ones.
-  if (is_cut && !view.has_step)
-    options.step_vox = std::min(options.step_vox, finestStep(volumes, options));
+  const std::vector<IndexedVolume> volumes = openAnew(scene, view, pass);
+  options = fittedOptions(scene, view, std::move(options), volumes, pass, result.unchecked);
   EveryBlock every_block(scene.pool);
   const bool all = volumes.front().layout.blockCount() <= kMostBlocks;
   if (!all) result.unchecked.emplace_back("which blocks are empty, since there are too many");
   if (scene.share) scene.share->device().drawWhole(true);
-  std::optional<Picture> sum;
-  std::vector<std::unique_ptr<Session>> blended;
-  for (size_t i = 0; i < layers.size(); ++i) {
-    const Layer& layer = *layers[i];
-    // Blended channels are drawn together, each with its own share; others one after the other.
-    SessionOptions session =
-        sessionOptions(volumes[i], layer.look.lit, view.resources, Partition::kBlocks,
-                       scene.blends() ? memoryBudget(layer.machine) : scene.memory_bytes);
-    session.beside_bytes += layers.size() * layer.part_bytes;
-    auto plain = std::make_unique<Session>(stepOf(volumes[i], layer, view.time, pass),
-                                           *scene.device, scene.pool, session);
-    plain->setTransferFunction(layer.look.transfer);
-    plain->chooseBlocksBy(all ? &every_block : nullptr);
-    const PixelRays rays = raysOf(view, i);
-    FrameOptions own = scene.optionsOf(layer, options);
-    // Slices are no farther apart than rays.
-    if (rays.a_side > 1 && !traitsOf(own.mode).on_planes) own.step_vox /= 2;
-    plain->setOptions(own);
-    if (scene.blends()) {
-      blended.push_back(std::move(plain));
-      continue;
-    }
-    Picture drawn = pictureOfRays(*plain, own, rays);
-    if (!sum)
-      sum = std::move(drawn);
-    else
-      addPicture(*sum, drawn, scene.pool);
-  }
-  if (scene.blends())
-    sum = blendedPicture(blended, *scene.device);
-  else if (layers.size() > 1)
-    limitSum(*sum, scene.pool);
-  compare(*sum, picture, result);
+  compare(plainPicture(scene, view, options, volumes, pass, all ? &every_block : nullptr), picture,
+          result);
   return result;
 }
 

@@ -170,6 +170,45 @@ void addFrame(FilmFile& film, Renderer& renderer, const ViewState& state,
       watch);
 }
 
+void checkArguments(const RenderArguments& arguments, const CLI::App& app) {
+  checkOptions(arguments, app);
+  const bool is_one_file = isFilmName(arguments.output);
+  if (!is_one_file) requirePictureName(arguments.output);
+  if (is_one_file && arguments.resume)
+    failUsage("{}: a film is written in one go; --continue is for pictures", arguments.output);
+  if (app.count("--rate") == 0 || arguments.resources.quiet) return;
+  PictureFacts facts;
+  facts.is_film = is_one_file;
+  for (const std::string& line : idleOptions({"--rate"}, facts)) printWarning(line);
+}
+
+// Draws the frames to the film, or to a picture each.
+void writeFrames(const RenderArguments& arguments, const SavedFilm& film, const ViewState& now,
+                 const std::vector<int64_t>& frames, std::optional<FilmFile>& made,
+                 Renderer& renderer, const ProgressFunction& watch) {
+  const bool is_quiet = arguments.resources.quiet;
+  const int width = arguments.frame.size.width, height = arguments.frame.size.height;
+  ProgressMeter progress = is_quiet ? ProgressMeter()
+                                    : ProgressMeter(progressLine("frames", ProgressUnit::kPieces),
+                                                    static_cast<uint64_t>(frames.size()));
+  EmptyPictures empty;
+  for (const int64_t i : frames) {
+    interruption().throwIfStopped();
+    const ViewState state = frameState(film, now, i);
+    renderer.setLook(lookOf(state));
+    const std::string name =
+        made ? fmt::format("frame {}", i) : numberedName(arguments.output, i, true).string();
+    if (made)
+      addFrame(*made, renderer, state, pictureOf(state, width, height), watch);
+    else
+      drawToFile(renderer, name, state, width, height, watch, {});
+    empty.add(name, renderer.report().why_empty);
+    progress.add(1);
+  }
+  if (made) made->finish();
+  if (!is_quiet) empty.warn();
+}
+
 }  // namespace
 
 bool asksForFilm(const RenderArguments& arguments) {
@@ -179,17 +218,9 @@ bool asksForFilm(const RenderArguments& arguments) {
 
 int writeFilm(const RenderArguments& arguments, const CLI::App& app, const SavedView& saved) {
   SavedFilm film = *saved.film;
-  checkOptions(arguments, app);
+  checkArguments(arguments, app);
   const bool is_one_file = isFilmName(arguments.output);
-  if (!is_one_file) requirePictureName(arguments.output);
   const int64_t count = frameCount(film.path);
-  if (is_one_file && arguments.resume)
-    failUsage("{}: a film is written in one go; --continue is for pictures", arguments.output);
-  if (app.count("--rate") > 0 && !arguments.resources.quiet) {
-    PictureFacts facts;
-    facts.is_film = is_one_file;
-    for (const std::string& line : idleOptions({"--rate"}, facts)) printWarning(line);
-  }
   const std::vector<int64_t> frames = missingFrames(arguments, count);
   // Outputs are checked once more with the files that the volume turns out to have.
   checkOutputs(arguments, film, frames, {});
@@ -224,31 +255,13 @@ int writeFilm(const RenderArguments& arguments, const CLI::App& app, const Saved
   requireMotion(film, now, arguments.state_file, is_quiet);
   requireLooks(film, now, renderer, arguments.state_file);
   if (!is_quiet) warnOfJumps(film, now, arguments.state_file);
-  ProgressMeter progress = is_quiet ? ProgressMeter()
-                                    : ProgressMeter(progressLine("frames", ProgressUnit::kPieces),
-                                                    static_cast<uint64_t>(frames.size()));
   std::optional<FilmFile> made;
   if (is_one_file)
     made.emplace(
         arguments.output, arguments.frame.size,
         app.count("--rate") > 0 ? arguments.frames_per_second : film.path.frames_per_second,
         interruption());
-  EmptyPictures empty;
-  for (const int64_t i : frames) {
-    interruption().throwIfStopped();
-    const ViewState state = frameState(film, now, i);
-    renderer.setLook(lookOf(state));
-    const std::string name =
-        is_one_file ? fmt::format("frame {}", i) : numberedName(arguments.output, i, true).string();
-    if (made)
-      addFrame(*made, renderer, state, pictureOf(state, width, height), watch);
-    else
-      drawToFile(renderer, name, state, width, height, watch, {});
-    empty.add(name, renderer.report().why_empty);
-    progress.add(1);
-  }
-  if (made) made->finish();
-  if (!is_quiet) empty.warn();
+  writeFrames(arguments, film, now, frames, made, renderer, watch);
   if (is_one_file && !is_quiet) say("{}: {} frames\n", arguments.output, count);
   if (!is_one_file && !is_quiet)
     say("{} of {} frames, {} to {}\n", frames.size(), count,
