@@ -32,6 +32,8 @@ Descriptor openForReading(const std::string& path) {
 }  // namespace
 
 std::string describeStatus(const struct stat& status) {
+  // Programs that copy or unpack files may set the time of the last write back. The time of the
+  // last change of the status cannot be set.
   return fmt::format("{}|{}|{}|{}", status.st_size, inNs(status.st_mtim), inNs(status.st_ctim),
                      status.st_ino);
 }
@@ -78,6 +80,7 @@ void File::checkUnchanged(int descriptor) const {
   struct stat now = {};
   if (fstat(descriptor, &now) != 0) failErrno(fmt::format("{}: fstat failed", path_), errno);
   // A file that was replaced or written meanwhile would give voxels that the index does not know.
+  // The time of the status' change is left out: a link or other rights change no voxels.
   if (now.st_size != opened_.st_size || inNs(now.st_mtim) != inNs(opened_.st_mtim) ||
       now.st_ino != opened_.st_ino || now.st_dev != opened_.st_dev)
     fail("{}: changed while it was open ({} bytes then, {} now); open it again", path_,

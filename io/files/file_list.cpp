@@ -160,7 +160,7 @@ namespace {
 
 // The number that a run of digits stands for; nullopt for more than fits.
 std::optional<int64_t> numberOfDigits(std::string_view digits) {
-  constexpr size_t kMostDigits = 18;
+  constexpr size_t kMostDigits = 18;  // less than 2^63, also with a step added
   if (digits.size() > kMostDigits) return std::nullopt;
   return numberIn<int64_t>(digits);
 }
@@ -175,6 +175,8 @@ struct NumberedFiles {
 std::optional<NumberedFiles> numberedFiles(const std::vector<std::filesystem::path>& files) {
   if (files.size() < 2) return std::nullopt;
   const std::string a = files[files.size() - 2].filename(), b = files.back().filename();
+  // The place of the number is the one at which the last two names differ, from its first digit on:
+  // "099" and "100" already differ there, "108" and "109" only at the end.
   auto begin =
       static_cast<size_t>(std::mismatch(a.begin(), a.end(), b.begin(), b.end()).second - b.begin());
   while (begin > 0 && isDigit(b[begin - 1])) --begin;

@@ -53,6 +53,7 @@ void writeKnown(const fs::path& path, const Known& known) {
   std::ofstream file(path, std::ios::trunc);
   file << known.name << '\n' << known.bytes << '\n' << known.stamp << '\n';
   if (known.comes_whole) file << "comes whole\n";
+  // Only closing writes what is buffered, so that a full disk shows.
   file.close();
   if (!file) fail("{}: cannot be written: {}", path.string(), std::strerror(errno));
 }

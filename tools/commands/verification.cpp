@@ -258,6 +258,7 @@ Verification verify(Scene& scene, const VerifiedView& view, FrameOptions options
   EveryBlock every_block(scene.pool);
   const bool all = volumes.front().layout.blockCount() <= kMostBlocks;
   if (!all) result.unchecked.emplace_back("which blocks are empty, since there are too many");
+  // One rank draws the plain picture alone, and not a part of it.
   if (scene.share) scene.share->device().drawWhole(true);
   compare(plainPicture(scene, view, options, volumes, pass, all ? &every_block : nullptr), picture,
           result);

@@ -25,7 +25,8 @@ namespace {
 
 // What ffmpeg is told: raw frames come in, an MP4 goes to `output`, its description before its
 // frames, so that the start of the file says who made it. Sizes are made even, which most players
-// need.
+// need. The file exists already, under a temporary name without .mp4, so that -y and -f are needed.
+// Without "file:" a colon in the name would stand behind a protocol.
 std::vector<std::string> commandOf(const std::filesystem::path& output, PictureSize size,
                                    double frames_per_second) {
   return {"ffmpeg",

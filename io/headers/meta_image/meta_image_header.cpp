@@ -51,6 +51,7 @@ Fields readFields(std::string_view text, const std::string& path) {
   Fields fields;
   fields.path = path;
   LineReader lines(text);
+  // This key ends the header. The names of a list, or the voxels themselves, may follow its line.
   while (!fields.find({kDataFile})) {
     const std::optional<std::string_view> line = lines.next();
     if (!line) fail("{}: no MetaImage file: the header has no {}", path, kDataFile);
