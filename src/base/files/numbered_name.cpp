@@ -81,7 +81,7 @@ bool isNumbered(const fs::path& name) {
 
 fs::path numberedName(const std::string& name, int64_t number, bool numbered) {
   constexpr size_t kMostWidth = 20;  // beyond the digits of any int64_t
-  const fs::path path(name);
+  fs::path path(name);
   if (isNumbered(path)) {
     const auto parsed = parseNumberedName(path.filename().string());
     if (!parsed || parsed->width > kMostWidth)
