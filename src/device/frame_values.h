@@ -205,6 +205,18 @@ struct TexelMap {
   }
 };
 
+// How much of a surface that lets light through a box draws at index position p: the product of
+//   clamp(start[i] + slope[i] * p[i % 3], 0, 1)
+// over all i, as a share of the surface's extinction: for a share of w, an opacity of a becomes
+// 1 - (1 - a)^w. Opaque surfaces are drawn in full. Where parts of the volume of two levels of
+// resolution meet, boxes of both overlap, and their shares add up to 1: one level's surface passes
+// into the other's, and no ray meets it twice or not at all although they differ.
+struct LevelFade {
+  std::array<double, 6> start{1, 1, 1, 1, 1, 1}, slope{};
+
+  friend bool operator==(const LevelFade&, const LevelFade&) = default;
+};
+
 // A box of cells to resample from one resident chunk: p with cells.lo <= p < cells.hi. Samples up
 // to a texel beyond the outermost texels of the chunk have the values of those.
 struct BoxDraw {
@@ -217,10 +229,14 @@ struct BoxDraw {
   uint32_t channel = 0;
   bool joins = false;
   // Frames with surfaces: this box lies beside the cells of another one of the chunk, in texels
-  // around it. Only opaque surfaces are drawn in it, and no opacities: where parts of the volume
-  // that are of other levels of resolution meet, a surface may lie on one side of a face for the
-  // one and on the other side for the other, so that neither would show it.
+  // around it. No opacities are drawn in it, and of surfaces the opaque ones alone if `fade` is not
+  // set: where parts of the volume that are of other levels of resolution meet, a surface may lie
+  // on one side of a face for the one and on the other side for the other, so that neither would
+  // show it.
   std::optional<Box3> beside = {};
+  // Frames with surfaces: the share of those that let light through. A box beside another one that
+  // has it draws these surfaces in place of the opaque ones.
+  std::optional<LevelFade> fade = {};
 };
 
 // Which faces of a box lie on faces of the cells that may show: at these a ray enters or leaves

@@ -24,7 +24,7 @@ bool haveOneScale(const BoxDraw& a, const BoxDraw& b) {
   return a.texels.indexScale() == b.texels.indexScale();
 }
 bool haveOneProgram(const BoxDraw& a, const BoxDraw& b) {
-  return haveOneScale(a, b) && a.beside.has_value() == b.beside.has_value();
+  return haveOneScale(a, b) && a.beside.has_value() == b.beside.has_value() && a.fade == b.fade;
 }
 
 // The boxes from the first on that are `alike` it.
@@ -183,7 +183,7 @@ void GlDevice::beginFrame(const FrameSetup& setup, const StopToken& stop) {
   gl_.Clear(GL_COLOR_BUFFER_BIT);
   told_.clear();
   if (setup_.others.empty())
-    frameProgram(kOne, false);
+    frameProgram({}, false);
   else
     blended_.begin(setup_, fetches_);
 }
@@ -199,10 +199,10 @@ void GlDevice::setFrame(const ShaderVariant& variant, GlProgram& program) {
   setWindow(setup_, program);
 }
 
-GlProgram& GlDevice::frameProgram(Vec3d scale, bool has_spread, bool beside) {
+GlProgram& GlDevice::frameProgram(const BoxDraw& box, bool has_spread) {
   SLUICE_CHECK(!has_spread || drawsSpreads(setup_));
-  ShaderVariant variant = boxVariant(variant_, scale, has_spread);
-  if (beside) variant = besideVariant(setup_, variant);
+  const Vec3d scale = box.texels.indexScale();
+  const ShaderVariant variant = besideVariant(setup_, boxVariant(variant_, scale, has_spread), box);
   GlProgram& program = programFor(variant);
   if (told_.insert(variant).second) {
     setFrame(variant, program);
@@ -210,6 +210,7 @@ GlProgram& GlDevice::frameProgram(Vec3d scale, bool has_spread, bool beside) {
     if (variant.integrates) look_.setSums(setup_, program);
   }
   if (variant.scaled) program.set("texel_scale", scale);
+  setFade(box, program);
   return program;
 }
 
@@ -264,9 +265,9 @@ void GlDevice::draw(std::span<const BoxDraw> given) {
 void GlDevice::drawFromChunk(std::span<const BoxDraw> boxes) {
   const auto found = resident_.find(boxes.front().chunk);
   SLUICE_CHECK(found != resident_.end());
-  const bool beside = boxes.front().beside.has_value();
-  if (beside && besideVariant(setup_, variant_).surfaces == 0) return;  // none is opaque
-  frameProgram(boxes.front().texels.indexScale(), found->second.format.has_spread, beside)
+  const BoxDraw& first = boxes.front();
+  if (first.beside && besideVariant(setup_, variant_, first).surfaces == 0) return;
+  frameProgram(first, found->second.format.has_spread)
       .set("chunk_texel_size", kOne / toDouble(found->second.storage_vox));
   gl_.ActiveTexture(GL_TEXTURE0 + kChunkUnit);
   gl_.BindTexture(GL_TEXTURE_3D, found->second.texture);

@@ -66,9 +66,9 @@ class GlDevice : public Device, public DrawsForScreens, public DrawsRows {
   };
 
   GlProgram& programFor(const ShaderVariant& variant);
-  // The frame's program for boxes of this scale (TexelMap::indexScale()) of a chunk with spreads or
+  // The frame's program for boxes like this one (haveOneProgram()) of a chunk with spreads or
   // without: told of the frame, in use.
-  GlProgram& frameProgram(Vec3d scale, bool has_spread, bool beside = false);
+  GlProgram& frameProgram(const BoxDraw& box, bool has_spread);
   // Tells a program of the frame all that no box changes.
   void setFrame(const ShaderVariant& variant, GlProgram& program);
   void setFrameView(GlProgram& program);

@@ -87,6 +87,7 @@ VisibleBlocksPtr RankBlocks::chooseOf(const BlockQuestion& question, const Visib
     mine.white = all->white;
     mine.cut = all->cut;  // of the whole picture
     mine.thin = all->thin;
+    mine.seams = all->seams;
     // Blocks that are not visible have no place in a picture's own hands.
     const bool deals_picture = deals_each_ && !loads_every;
     if (loads_every)

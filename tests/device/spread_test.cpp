@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -249,6 +250,47 @@ TEST_F(SpreadTest, besideABoxOpaqueSurfacesAloneShow) {
     for (size_t i = 3; i < drawn.rgba.size(); i += 4)
       EXPECT_TRUE(drawn.rgba[i] == 0 || drawn.rgba[i] > 0.99F);
   }
+}
+
+// Shares that rise along one axis and fall along another.
+TEST_F(SpreadTest, surfacesThatLetLightThroughHaveTheirShareOfAFade) {
+  PlainDevice plain;
+  LevelFade fade;
+  fade.slope[0] = 0.08;
+  fade.start[0] = -0.2;
+  fade.slope[5] = -0.1;
+  fade.start[5] = 1.3;
+  for (const bool has_spread : {false, true})
+    for (const bool lit : {false, true})
+      for (const int trimming_axis : {0, 2})
+        for (const std::optional<Box3>& beside :
+             {std::optional<Box3>(), std::optional(Box3{{0, 0, 0}, {3, 2, 1}})}) {
+          SCOPED_TRACE(fmt::format("spread {}, lit {}, axis {}, beside {}", has_spread, lit,
+                                   trimming_axis, beside.has_value()));
+          const FrameSetup setup = withSurfaces(setupOf({.lit = lit}, DeviceType::kU8), true);
+          const ChunkTexelsPtr chunk = chunkOf(wavesAt, DeviceType::kU8, has_spread);
+          const auto drawWith = [&](Device& device, const std::optional<LevelFade>& with) {
+            BoxDraw box;
+            box.chunk = 1;
+            box.cells = {{3, 2, 1}, {14, 15, 13}};
+            if (trimming_axis == 0) box.texels.axes = {1, 2, 0};
+            box.texels.scale = {0.5, 0.8, 0.5};
+            box.texels.offset = {1, 1.5, 2};
+            box.beside = beside;
+            box.fade = with;
+            return drawOneBox(device, setup, chunk, box);
+          };
+          const Picture drawn = drawWith(*device_, fade);
+          EXPECT_LE(pixelsApart(drawn, drawWith(plain, fade), 2), kMostTouching);
+          const Picture whole = drawWith(*device_, LevelFade());
+          EXPECT_GT(pixelsApart(drawn, whole, 10), 30);
+          if (beside) {
+            EXPECT_LT(mostOpacity(whole), 0.99) << "no opaque surface";
+          } else {
+            EXPECT_GT(mostOpacity(drawn), 0.99);
+            EXPECT_EQ(pixelsApart(whole, drawWith(*device_, std::nullopt), 0.01), 0);
+          }
+        }
 }
 
 // The nearest mean shows something: a sample with any part of a NaN takes neither that look nor the

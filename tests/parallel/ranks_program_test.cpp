@@ -161,6 +161,7 @@ TEST_P(RanksProgram, drawTheCutThroughLevelsOfOneProcess) {
       {kMany, "--pixel-error 0.3 --max-bytes 300K"},
       {kMany, "--iso 90 --projection perspective --zoom 3 --pixel-error 2"},
       {kMany, "--iso 70:0.4,120 --level 1"},
+      {kMany, "--iso 70:0.4,120 --projection perspective --zoom 3 --pixel-error 2"},
       {kMany, "--iso 90 --level 2"},
       {kFew, ""},
       {kFew, "--projection perspective --zoom 0.5 --pixel-error 2"}};

@@ -91,6 +91,16 @@ void PlainDevice::blend(const Sample& sample, Pixel& pixel) const {
   pixel.opacity += weight;
 }
 
+// The share of a surface of this opacity at an index position.
+static double shareAt(const LevelFade& fade, Vec3d at, double opacity) {
+  double share = 1;
+  for (size_t i = 0; i < fade.slope.size() && opacity < 1; ++i) {
+    const int axis = static_cast<int>(i) % 3;
+    share *= std::clamp(fade.start[i] + fade.slope[i] * at[axis], 0.0, 1.0);
+  }
+  return share;
+}
+
 // The surfaces that the ray meets from half a slice before slice k to half a slice behind it, and
 // between them the parts of the sample there.
 void PlainDevice::blendSurfaces(const PlainRay& ray, const BoxDraw& box, const ChunkTexels& chunk,
@@ -102,13 +112,15 @@ void PlainDevice::blendSurfaces(const PlainRay& ray, const BoxDraw& box, const C
   double from = 0;
   for (const PlainSurface& surface : surfacesBetween(
            setup_, box.texels, chunk, [&](double part) { return ray.at(k - 0.5 + part); })) {
-    if (box.beside && surface.level.opacity < 1) continue;
+    if (box.beside && (surface.level.opacity < 1) != box.fade.has_value()) continue;
     blend(partOf(sample, surface.part - from), pixel);
     from = surface.part;
     const Vec3d rgb = setup_.lit ? litPlainly(setup_, ray.at(k - 0.5 + surface.part),
                                               surface.level.rgb, {surface.gradient}, 0)
                                  : surface.level.rgb;
-    blend({rgb, surface.level.opacity,
+    const double share =
+        box.fade ? shareAt(*box.fade, ray.at(k - 0.5 + surface.part), surface.level.opacity) : 1;
+    blend({rgb, 1 - std::pow(1 - surface.level.opacity, share),
            setup_.first_depth + (k + ray.jitter + from) * setup_.depth_step},
           pixel);
   }

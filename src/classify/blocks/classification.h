@@ -36,6 +36,16 @@ struct ObjectBlock {
   unsigned level_faces = 0;
 };
 
+// A face at which a block of a cut meets a coarser one. Surfaces that let light through are drawn
+// by both blocks in cells of the finer one, see LevelFade.
+struct LevelSeam {
+  BlockName fine, coarse;
+  Box3 cells;    // those of the finer block next to the face
+  int face = 0;  // the finer block's, by the bits of ObjectBlock::level_faces
+
+  friend bool operator==(const LevelSeam&, const LevelSeam&) = default;
+};
+
 // The shortest side of a box of this size; the last of equals.
 int shortestAxis(Vec3i size);
 
@@ -53,6 +63,9 @@ struct VisibleBlocks {
   std::vector<BlockName> refined = {};
   // Those that CutSummary::thin_blocks counts before anything is read, ascending.
   std::vector<BlockName> thin = {};
+  // The seams of the whole picture, of which these may be a rank's blocks: ascending by the finer
+  // block and its face. Empty if no surface lets light through.
+  std::vector<LevelSeam> seams = {};
   // On several ranks, if every block is loaded; unset: all blocks belong to this process.
   std::optional<BlockShare> share = {};
 };

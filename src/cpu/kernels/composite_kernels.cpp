@@ -298,7 +298,9 @@ void drawTyped(const KernelFrame& frame, const KernelBox* boxes, const uint32_t*
   for (size_t i = 0; i < count; ++i) {
     if (i % kBoxesBetweenLooks == 0 && isThrough(frame, tile)) return;
     const KernelBox& box = boxes[indices[i]];
-    const KernelFrame& of_box = box.is_beside ? *frame.beside : frame;
+    const KernelFrame& of_box = !box.is_beside ? frame
+                                : box.fades    ? *frame.beside_clear
+                                               : *frame.beside;
     if (!box.is_beside || of_box.surfaces > 0) drawOne<kType>(of_box, box, tile);
   }
 }

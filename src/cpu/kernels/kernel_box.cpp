@@ -150,6 +150,22 @@ void setDepth(const FrameSetup& setup, const BoxDraw& box, KernelBox& out) {
   out.depth_start = static_cast<float>(start);
 }
 
+// Requires: texel_scale and texel_start are set.
+void setFade(const BoxDraw& box, KernelBox& out) {
+  out.fades = true;
+  for (int a = 0; a < 3; ++a)
+    for (const size_t upper : {size_t{0}, size_t{1}}) {
+      const auto to = static_cast<size_t>(a);
+      const auto axis = static_cast<size_t>(box.texels.axes[to]), from = axis + 3 * upper;
+      const double slope = box.fade->slope[from] / double{out.texel_scale[axis]};
+      const auto corner = static_cast<double>(box.cells.lo[static_cast<int>(axis)]);
+      out.fade_slope[upper][to] = static_cast<float>(slope);
+      out.fade_start[upper][to] =
+          static_cast<float>(box.fade->start[from] + box.fade->slope[from] * corner -
+                             slope * double{out.texel_start[axis]});
+    }
+}
+
 void setLeaps(const LeapGrid& leaps, Vec3i lo, KernelBox& out) {
   if (volume(leaps.bricks) > kMostOffset) return;  // their numbers would not be exact
   out.distances = leaps.distances.data();
@@ -201,6 +217,7 @@ void appendPart(const FrameSetup& setup, const BoxDraw& box, const ChunkTexels* 
     if (leaps != nullptr) setLeaps(*leaps, span.lo, result);
     if (traitsOf(setup.mode).codes_depth) setDepth(setup, box, result);
     if (setup.light != nullptr) setLight(*setup.light, box, result);
+    if (box.fade) setFade(box, result);
   }
   out.push_back(result);
 }

@@ -79,7 +79,8 @@ struct KernelFrame {
   std::array<std::array<float, kMostSurfaces>, 3> surface_rgb{};
   Float3 place_origin{};  // of the pixel at the lower left corner, from placeBase()
   bool has_opacities = true;
-  const KernelFrame* beside = nullptr;  // the same for boxes beside others, see BoxDraw::beside
+  // The same for boxes beside others, see BoxDraw::beside: of opaque surfaces, and of the others.
+  const KernelFrame *beside = nullptr, *beside_clear = nullptr;
 
   // For chunks with spreads: LookUp::expected as premultiplied rows. A mean's entry is mean *
   // mean_scale + mean_offset; a spread's row, from 1 on, is sqrt(spread * spread_scale) * rows.
@@ -156,6 +157,9 @@ struct KernelBox {
   Float3 brick_at{}, brick_last{}, brick_stride{};
   uint32_t layer = 0;      // layer of a part
   bool is_beside = false;  // BoxDraw::beside is set
+  // BoxDraw::fade: factors start + slope * texel coordinate, two along each of the chunk's axes.
+  bool fades = false;
+  std::array<Float3, 2> fade_start{}, fade_slope{};
   // Blended channels: the box's, and the number of boxes behind this one in the list that join it,
   // whose pixels count with this one's.
   uint32_t channel = 0, joined = 0;

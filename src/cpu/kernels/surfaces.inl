@@ -78,11 +78,34 @@ HWY_NOINLINE V crossing(const KernelBox& box, const Cells& stored, const PlaceAl
   return hn::MulAdd(clamped_part, hn::Sub(hi, lo), lo);
 }
 
+// The colour of a slice over a part of its way.
+HWY_INLINE Color partOf(const Color& color, V part) {
+  const V opacity = corrected(color.a, part);
+  const V scale = hn::Div(opacity, hn::Max(color.a, all(1e-20F)));
+  return {hn::Mul(color.r, scale), hn::Mul(color.g, scale), hn::Mul(color.b, scale), opacity};
+}
+
+// A surface's colour with the box's share of it, see LevelFade.
+HWY_NOINLINE Color fadedIn(const KernelBox& box, const V3& at, const Color& color) {
+  const V none = hn::Zero(F()), one = all(1.0F);
+  V share = one;
+  for (size_t i = 0; i < 2; ++i) {
+    const Float3 &start = box.fade_start[i], &slope = box.fade_slope[i];
+    const auto factor = [&](V texel, size_t a) {
+      const V ramp = hn::MulAdd(texel, all(slope[a]), all(start[a]));
+      return hn::Min(hn::Max(ramp, none), one);
+    };
+    share = hn::Mul(share, hn::Mul(factor(at.x, 0), hn::Mul(factor(at.y, 1), factor(at.z, 2))));
+  }
+  return partOf(color, share);
+}
+
 // The colour of a surface at a place, lit if the frame is.
 template <DeviceType kType, Shading kShading>
 HWY_NOINLINE Color surfaceColor(const KernelFrame& frame, const KernelBox& box, const Cells& stored,
                               const V3& at, const MetSurface& surface) {
-  if (!frame.lit) return surface.color;
+  const Color color = box.fades ? fadedIn(box, at, surface.color) : surface.color;
+  if (!frame.lit) return color;
   const V half = all(0.5F);
   V3 difference{hn::Zero(F()), hn::Zero(F()), hn::Zero(F())};
   for (int corner = 0; corner < 8; ++corner) {
@@ -100,14 +123,7 @@ HWY_NOINLINE Color surfaceColor(const KernelFrame& frame, const KernelBox& box, 
     difference.y = y ? hn::Add(difference.y, value) : hn::Sub(difference.y, value);
     difference.z = z ? hn::Add(difference.z, value) : hn::Sub(difference.z, value);
   }
-  return shaded(frame, box, at, surface.color, gradientOf(box, difference), 0);
-}
-
-// The colour of a slice over a part of its way.
-HWY_INLINE Color partOf(const Color& color, V part) {
-  const V opacity = corrected(color.a, part);
-  const V scale = hn::Div(opacity, hn::Max(color.a, all(1e-20F)));
-  return {hn::Mul(color.r, scale), hn::Mul(color.g, scale), hn::Mul(color.b, scale), opacity};
+  return shaded(frame, box, at, color, gradientOf(box, difference), 0);
 }
 
 struct SliceColor {

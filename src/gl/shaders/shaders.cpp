@@ -39,6 +39,7 @@ Definitions numbersOf(const ShaderVariant& v) {
           {"INTEGRATES", v.integrates},
           {"SURFACES", v.surfaces},
           {"HAS_OPACITIES", v.has_opacities},
+          {"FADES", v.fades},
           {"LIGHT_VOLUME", v.light_volume},
           {"CUES_DEPTH", v.cues_depth},
           {"JITTERS", v.jitters},

@@ -9,6 +9,9 @@
 
 namespace sluice {
 
+// Boxes beside others draw some of the surfaces, see BoxDraw::beside.
+enum class DrawnSurfaces { kAll, kOpaque, kClear };
+
 // Selects the loop's body. Two frames with equal variants share a program.
 struct ShaderVariant {
   Combining combining = Combining::kBlend;
@@ -35,7 +38,8 @@ struct ShaderVariant {
   bool integrates = false;    // segments in place of samples, see FrameSetup
   int surfaces = 0;           // how many surfaces there are, see FrameSetup
   bool has_opacities = true;  // with surfaces: the look-up shows something else, too
-  bool beside = false;        // with surfaces: the opaque ones alone, see BoxDraw::beside
+  DrawnSurfaces drawn_surfaces = DrawnSurfaces::kAll;
+  bool fades = false;         // with surfaces: see BoxDraw::fade
   bool light_volume = false;  // lit: light arrives as FrameSetup::light has it
   bool cues_depth = false;    // far colours are darkened, see FrameSetup::depth_cueing
   bool jitters = false;       // slices are moved along the ray, see FrameSetup::jitter

@@ -94,17 +94,19 @@ void setVisible(const FrameSetup& setup, GlProgram& program) {
 }
 
 // The surfaces that a program draws.
-std::vector<SurfaceLevel> surfacesOf(const FrameSetup& setup, bool beside) {
+std::vector<SurfaceLevel> surfacesOf(const FrameSetup& setup, DrawnSurfaces drawn) {
   std::vector<SurfaceLevel> surfaces = setup.look_up->surfaces;
-  // Only opaque surfaces are drawn beside a block where levels meet, so that none is blended twice.
-  if (beside) std::erase_if(surfaces, [](const SurfaceLevel& each) { return each.opacity < 1; });
+  if (drawn != DrawnSurfaces::kAll)
+    std::erase_if(surfaces, [drawn](const SurfaceLevel& each) {
+      return (each.opacity < 1) == (drawn == DrawnSurfaces::kOpaque);
+    });
   return surfaces;
 }
 
-void setSurfaces(const FrameSetup& setup, bool beside, GlProgram& program) {
+void setSurfaces(const FrameSetup& setup, DrawnSurfaces drawn, GlProgram& program) {
   const double scale = valueScale(setup.type);
   Floats levels, colors;
-  const std::vector<SurfaceLevel> surfaces = surfacesOf(setup, beside);
+  const std::vector<SurfaceLevel> surfaces = surfacesOf(setup, drawn);
   for (const SurfaceLevel& surface : surfaces) {
     levels.add(surface.level / scale);
     colors.add(surface.rgb * surface.opacity).add(surface.opacity);
@@ -189,11 +191,13 @@ ShaderVariant boxVariant(ShaderVariant frame, Vec3d scale, bool has_spread) {
   return frame;
 }
 
-ShaderVariant besideVariant(const FrameSetup& setup, ShaderVariant box) {
-  box.beside = true;
-  box.has_opacities = false;
-  box.surfaces = static_cast<int>(surfacesOf(setup, true).size());
-  return box;
+ShaderVariant besideVariant(const FrameSetup& setup, ShaderVariant of_box, const BoxDraw& box) {
+  of_box.fades = box.fade.has_value();
+  if (!box.beside) return of_box;
+  of_box.drawn_surfaces = box.fade ? DrawnSurfaces::kClear : DrawnSurfaces::kOpaque;
+  of_box.has_opacities = false;
+  of_box.surfaces = static_cast<int>(surfacesOf(setup, of_box.drawn_surfaces).size());
+  return of_box;
 }
 
 ShaderVariant viewVariant(const ShaderVariant& variant) {
@@ -236,7 +240,7 @@ void setView(const FrameSetup& setup, PictureRows rows, GlProgram& program) {
 
 void setShading(const FrameSetup& setup, const ShaderVariant& variant, GlProgram& program) {
   if (variant.goes_ahead || variant.rough_first) setVisible(setup, program);
-  if (variant.surfaces > 0) setSurfaces(setup, variant.beside, program);
+  if (variant.surfaces > 0) setSurfaces(setup, variant.drawn_surfaces, program);
   program.set("slice_length", setup.slice_length);
   if (!variant.lit && variant.gradient_rows == 0) return;
   const auto& axes = setup.camera_gradient;
@@ -247,6 +251,20 @@ void setShading(const FrameSetup& setup, const ShaderVariant& variant, GlProgram
   const Floats rows = rowsOf(setup);
   program.set4("first_rows", rows.data(), 1);
   program.set4("gradient_rows", rows.data(), variant.gradient_rows);
+}
+
+void setFade(const BoxDraw& box, GlProgram& program) {
+  if (!box.fade) return;
+  Floats start, slope;
+  for (const size_t upper : {size_t{0}, size_t{3}})
+    for (int a = 0; a < 3; ++a) {
+      const size_t i = upper + static_cast<size_t>(box.texels.axes[static_cast<size_t>(a)]);
+      const double a_texel = box.fade->slope[i] / box.texels.scale[a];
+      start.add(box.fade->start[i] - a_texel * box.texels.offset[a]);
+      slope.add(a_texel);
+    }
+  program.set1("fade_start", start.data(), 6);
+  program.set1("fade_slope", slope.data(), 6);
 }
 
 void setCueing(const FrameSetup& setup, GlProgram& program) {

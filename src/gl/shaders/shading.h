@@ -21,8 +21,10 @@ double valueScale(DeviceType type);
 ShaderVariant frameVariant(const FrameSetup& setup, bool fetches);
 // The same for boxes of this scale (TexelMap::indexScale()) of a chunk with spreads or without.
 ShaderVariant boxVariant(ShaderVariant frame, Vec3d scale, bool has_spread);
-// The variant for boxes beside others (BoxDraw::beside), from the variant of these.
-ShaderVariant besideVariant(const FrameSetup& setup, ShaderVariant box);
+// The variant for a box with what it has of BoxDraw::beside and BoxDraw::fade, from that of others.
+ShaderVariant besideVariant(const FrameSetup& setup, ShaderVariant of_box, const BoxDraw& box);
+// The uniforms of BoxDraw::fade, if the box has it.
+void setFade(const BoxDraw& box, GlProgram& program);
 // The members of it that channels of one frame share.
 ShaderVariant viewVariant(const ShaderVariant& variant);
 

@@ -64,8 +64,30 @@ float crossing(vec3 first, vec3 along, float h, float level, float lo, float val
   return lo + part * (hi - lo);
 }
 
+// The colour of a slice over a part of its way.
+vec4 partOf(vec4 color, float part) {
+  float opacity = color.a < 1.0 ? 1.0 - exp2(part * log2(1.0 - color.a)) : part > 0.0 ? 1.0 : 0.0;
+  return color * (opacity / max(color.a, 1e-20));
+}
+
+#if FADES
+uniform float fade_start[6];  // along the texture's axes, and along these again
+uniform float fade_slope[6];
+
+// A surface's colour with the box's share of it, see LevelFade.
+vec4 fadedAt(vec3 at, vec4 color) {
+  vec3 texel = at / texel_size - 0.5;
+  float share = 1.0;
+  for (int i = 0; i < 6; ++i) share *= clamp(fade_start[i] + fade_slope[i] * texel[i % 3], 0.0, 1.0);
+  return color.a < 1.0 ? partOf(color, share) : color;
+}
+#endif
+
 // The colour of a surface at a place: its normal is the difference between the corners of a cube.
 vec4 surfaceColor(vec3 at, float level, vec4 color, vec3 light_at) {
+#if FADES
+  color = fadedAt(at, color);
+#endif
 #if LIT
   vec3 difference = vec3(0.0);
   for (int i = 0; i < 8; ++i) {
@@ -83,12 +105,6 @@ vec4 surfaceColor(vec3 at, float level, vec4 color, vec3 light_at) {
 #else
   return color;
 #endif
-}
-
-// The colour of a slice over a part of its way.
-vec4 partOf(vec4 color, float part) {
-  float opacity = color.a < 1.0 ? 1.0 - exp2(part * log2(1.0 - color.a)) : part > 0.0 ? 1.0 : 0.0;
-  return color * (opacity / max(color.a, 1e-20));
 }
 
 // The values at the ends of a slice's way, as endAt() has them.

@@ -33,7 +33,9 @@ FrameRun::FrameRun(FrameValues values, Residency& residency, Device& device, Tra
       last_(lessons),
       // The number of updates adapts to what one kind of occlusion hides. Another kind starts anew.
       updates_(lessons.occlusion == options_.occlusion ? lessons.updates
-                                                       : UpdateCount(lessons.updates.options())) {}
+                                                       : UpdateCount(lessons.updates.options())) {
+  if (values_.setup.has_surfaces) fades_ = LevelFades(values_.visible->seams);
+}
 
 FrameRun::~FrameRun() {
   if (!is_drawn_) {
@@ -158,10 +160,14 @@ void FrameRun::drawBlock(BlockPosition position) {
     report_.stages.boxes += watch.seconds();
   }
   if (boxes == nullptr) {  // the object box holds whatever its boxes would show
-    const LevelBorders borders =
-        hasBorders(block)
-            ? levelBorders(textures().pyramid, block, box, values_.setup.shown, values_.order->eye)
-            : LevelBorders();
+    LevelBorders borders;
+    if (hasBorders(block)) {
+      const Box3& shown = values_.setup.shown;
+      const EyePosition& eye = values_.order->eye;
+      borders = levelBorders(textures().pyramid, block, box, shown, eye);
+      fades_.addBorders(block.name, box, shown, eye, borders);
+      box.fade = fades_.within(block.name);
+    }
     for (const BoxDraw& before : borders.before) drawBox(block.chunk, before);
     drawBox(block.chunk, box);
     for (const BoxDraw& behind : borders.behind) drawBox(block.chunk, behind);

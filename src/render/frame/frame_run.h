@@ -19,6 +19,7 @@
 #include "src/render/blocks/visible_blocks.h"
 #include "src/render/camera/frame_options.h"
 #include "src/render/camera/frame_setup.h"
+#include "src/render/frame/level_fades.h"
 #include "src/render/session/boxes_ahead.h"
 #include "src/render/session/read_ahead.h"
 #include "src/render/session/residency.h"
@@ -119,6 +120,7 @@ class FrameRun {
 
   FrameReport report_;
   UpdateCount updates_;
+  LevelFades fades_;  // of translucent surfaces
   std::optional<FrameOcclusion> occlusion_;
   IndexedVector<ChunkPosition, bool> shown_;  // with occlusion: chunks with visible boxes
   std::unique_ptr<ReadAhead> ahead_;

@@ -37,12 +37,11 @@ Box3 cellsBeside(const PyramidLayout& pyramid, const TextureBlock& block, int ax
   return intersect(cells, shown);
 }
 
-// Whether rays pass what lies below a plane across the axis before what lies above it.
+}  // namespace
+
 bool passesLowerFirst(const EyePosition& eye, int axis, int64_t plane) {
   return eye.parallel ? eye.index[axis] >= 0 : eye.index[axis] < static_cast<double>(plane);
 }
-
-}  // namespace
 
 LevelBorders levelBorders(const PyramidLayout& pyramid, const TextureBlock& block,
                           const BoxDraw& box, const Box3& shown, const EyePosition& eye) {

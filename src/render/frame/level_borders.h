@@ -16,6 +16,9 @@ struct LevelBorders {
   std::vector<BoxDraw> before, behind;  // in front of the block as the eye sees it, and behind it
 };
 
+// Whether rays pass what lies below a plane across the axis before what lies above it.
+bool passesLowerFirst(const EyePosition& eye, int axis, int64_t plane);
+
 // `box`: the block's, with its chunk. `shown`: cells that may show. Faces that the object box does
 // not reach have none.
 LevelBorders levelBorders(const PyramidLayout& pyramid, const TextureBlock& block,

@@ -97,7 +97,6 @@ class CutMaker {
       CutSummary::Level& level = levels[node.level];
       level.level = node.level;
       ++level.blocks;
-      level.cells += part.object->cells.count();
       if (node.level == 0) finest_cells += of.shown.finestCells(node.index);
       if (isThin(of, node)) blocks.thin.push_back(part.object->name);
       blocks.blocks.push_back(*part.object);
@@ -106,6 +105,11 @@ class CutMaker {
     // Only surfaces leave cracks between levels, see level_borders.h.
     if (levels.size() > 1 && !of.question.look->table.surfaces().empty())
       setLevelFaces(pyramid_, blocks.blocks);
+    if (levels.size() > 1 && std::ranges::any_of(of.question.look->transfer.surfaces,
+                                                 [](const auto& each) { return each.opacity < 1; }))
+      blocks.seams = takeLevelSeams(pyramid_, of.question.crop, blocks.blocks);
+    for (const ObjectBlock& block : blocks.blocks)
+      levels[block.name.level].cells += block.cells.count();
     CutSummary summary;
     summary.has_spreads = true;
     for (const auto& [level_number, level] : levels) {

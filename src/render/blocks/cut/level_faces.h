@@ -1,4 +1,4 @@
-// Faces at which blocks of different levels of resolution meet. A pure function.
+// Faces at which blocks of different levels of resolution meet. Pure functions.
 #pragma once
 
 #include <vector>
@@ -10,5 +10,11 @@ namespace sluice {
 
 // Sets ObjectBlock::level_faces of a cut's blocks. Faces of the volume border nothing.
 void setLevelFaces(const PyramidLayout& pyramid, std::vector<ObjectBlock>& blocks);
+
+// The seams of a cut whose blocks ascend, where the finer block shows something next to the face.
+// They are as wide as the coarser block's texels reach, at most a voxel of its level. Extends the
+// coarser blocks' object boxes to the seams. `crop`: cells that may show.
+std::vector<LevelSeam> takeLevelSeams(const PyramidLayout& pyramid, const Box3& crop,
+                                      std::vector<ObjectBlock>& blocks);
 
 }  // namespace sluice
