@@ -8,6 +8,7 @@
 
 #include "src/base/error.h"
 #include "src/device/pictures/depth_code.h"
+#include "src/device/shading/rough_light.h"
 #include "tests/support/plain_lighting.h"
 #include "tests/support/plain_rays.h"
 #include "tests/support/plain_sampling.h"
@@ -213,12 +214,19 @@ void PlainDevice::take(const PlainRay& ray, const BoxDraw& box, const ChunkTexel
     }
     Vec3d gradient;  // camera space, device values a world unit
     double difference_squares = 0, axis_squares = 0;
+    const bool is_wide =
+        chunk.has_spread && composite && !labels && hasWideTexels(box.texels.scale);
+    const std::optional<WideSlopes> wide = is_wide ? wideSlopesAt(chunk, texel) : std::nullopt;
     if (setup_.lit || !look_up.magnitudes.empty())
       for (int a = 0; a < 3; ++a) {
         Vec3d after = texel, before = texel;
         after[a] += 1;
         before[a] -= 1;
-        const double next = valueAt(chunk, after), last = valueAt(chunk, before);
+        double next = valueAt(chunk, after), last = valueAt(chunk, before);
+        if (wide) {
+          next = wide->slopes[a];
+          last = -next;
+        }
         const auto axis = static_cast<size_t>(box.texels.axes[static_cast<size_t>(a)]);
         const Vec3d a_texel = setup_.camera_gradient[axis] * box.texels.scale[a];
         axis_squares += dot(a_texel, a_texel);
@@ -258,8 +266,11 @@ void PlainDevice::take(const PlainRay& ray, const BoxDraw& box, const ChunkTexel
       }
     }
     // A fifth of the variance beyond that of an even slope, along each axis.
-    const double rough = std::max(0.0, spread * spread / 4 - difference_squares / 12) / 5;
-    if (setup_.lit) rgb = litPlainly(setup_, p, rgb, {gradient, rough * axis_squares}, setup_.flat);
+    const double counted = wide ? wide->spread : spread;
+    const double rough = std::max(0.0, counted * counted / 4 - difference_squares / 12) / 5;
+    if (setup_.lit)
+      rgb = litPlainly(setup_, p, rgb, {gradient, rough * axis_squares, wide ? wide->here : 1},
+                       setup_.flat);
     const Sample sample{rgb, opacity,
                         setup_.first_depth + (k + ray.jitter + 0.5) * setup_.depth_step};
     if (setup_.has_surfaces)

@@ -35,12 +35,12 @@ std::array<double, 2> arrivingAt(const LightVolume& light, Vec3d at) {
 
 Vec3d litPlainly(const FrameSetup& setup, Vec3d at, Vec3d rgb, const PlainSlopes& slopes,
                  double flatness) {
-  const auto& [gradient, rough] = slopes;
+  const auto& [gradient, rough, here] = slopes;
   const Lighting& lighting = setup.lighting;
   const auto [key, open] =
       setup.light != nullptr ? arrivingAt(*setup.light, at) : std::array<double, 2>{1, 1};
   const Vec3d plain = rgb * std::lerp(open, key, lighting.keyShare());
-  const double along = dot(gradient, gradient), squared = along + rough;
+  const double along = dot(gradient, gradient) * here, squared = along + rough;
   if (!(squared > 0)) return plain;
   const Vec3d n = along > 0 ? normalized(gradient) : Vec3d{};
   const double directed = along / squared;

@@ -10,6 +10,7 @@ namespace sluice {
 struct PlainSlopes {
   Vec3d gradient;
   double rough = 0;
+  double here = 1;  // the share of the gradient's square that counts, see rough_light.h
 };
 
 // The colour `rgb` of a sample at an index position, lit as lighting.h and rough_light.h say.

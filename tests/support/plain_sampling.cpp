@@ -107,6 +107,42 @@ double heaviestAt(const ChunkTexels& chunk, Vec3d at, const Counts& counts) {
   return best;
 }
 
+// The slope along each axis of Sobel's operator at the eight texels around a place, trilinear.
+template <class NumberOf>
+Vec3d sobelAt(Vec3d at, const NumberOf& number_of) {
+  Vec3d slopes;
+  for (int axis = 0; axis < 3; ++axis)
+    slopes[axis] = interpolated(at, [&](Vec3i texel) {
+      double slope = 0;
+      for (int64_t z = -1; z <= 1; ++z)
+        for (int64_t y = -1; y <= 1; ++y)
+          for (int64_t x = -1; x <= 1; ++x) {
+            const Vec3i way{x, y, z};
+            double weight = static_cast<double>(way[axis]) / 32;
+            for (int a = 0; a < 3; ++a)
+              if (a != axis && way[a] == 0) weight *= 2;
+            slope += weight * number_of(texel + way);
+          }
+      return slope;
+    });
+  return slopes;
+}
+// The mean of the same texels by 1/4, 1/2 and 1/4 along each axis.
+template <class NumberOf>
+double smoothedAt(Vec3d at, const NumberOf& number_of) {
+  return interpolated(at, [&](Vec3i texel) {
+    double sum = 0;
+    for (int64_t z = -1; z <= 1; ++z)
+      for (int64_t y = -1; y <= 1; ++y)
+        for (int64_t x = -1; x <= 1; ++x) {
+          const int64_t beside = std::abs(x) + std::abs(y) + std::abs(z);
+          sum +=
+              number_of(texel + Vec3i{x, y, z}) * std::pow(0.5, 3.0 + static_cast<double>(beside));
+        }
+    return sum;
+  });
+}
+
 }  // namespace
 
 double labelAt(const ChunkTexels& chunk, Vec3d at) {
@@ -167,22 +203,29 @@ Vec3d labelSlopesAt(const ChunkTexels& chunk, const LookUp& look_up, Vec3d at) {
     const Vec3i way = texel - first;
     return opacities.at(static_cast<size_t>(way.x + 4 * way.y + 16 * way.z));
   };
-  Vec3d slopes;
-  for (int axis = 0; axis < 3; ++axis)
-    slopes[axis] = interpolated(at, [&](Vec3i texel) {
-      double slope = 0;
-      for (int64_t z = -1; z <= 1; ++z)
-        for (int64_t y = -1; y <= 1; ++y)
-          for (int64_t x = -1; x <= 1; ++x) {
-            const Vec3i way{x, y, z};
-            double weight = static_cast<double>(way[axis]) / 32;
-            for (int a = 0; a < 3; ++a)
-              if (a != axis && way[a] == 0) weight *= 2;
-            slope += weight * opacityOf(texel + way);
-          }
-      return slope;
-    });
-  return slopes;
+  return sobelAt(at, opacityOf);
+}
+
+std::optional<WideSlopes> wideSlopesAt(const ChunkTexels& chunk, Vec3d at) {
+  const Vec3i cell{static_cast<int64_t>(std::floor(at.x)), static_cast<int64_t>(std::floor(at.y)),
+                   static_cast<int64_t>(std::floor(at.z))};
+  for (int64_t i = 0; i < 64; ++i)
+    if (texelAt(chunk, cell + Vec3i{i % 4 - 1, i / 4 % 4 - 1, i / 16 - 1}) < kNoNumber) return {};
+  const double first = texelAt(chunk, cell);
+  const auto meanOf = [&](Vec3i texel) { return texelAt(chunk, texel) - first; };
+  const auto squareOf = [&](Vec3i texel) {
+    const double deviation = std::max(texelAt(chunk, texel, 1), 0.0) / 2;
+    return meanOf(texel) * meanOf(texel) + deviation * deviation;
+  };
+  const Vec3d slopes = sobelAt(at, meanOf);
+  const double mean = smoothedAt(at, meanOf);
+  const double variance = smoothedAt(at, squareOf) - mean * mean;
+  const double spread = spreadAt(chunk, at);
+  // A spread is twice the deviation, whose square counts twice.
+  const double even = dot(slopes, slopes), own = even * 5 / 6 + 2 * (spread / 2) * (spread / 2);
+  const double here = variance > 0 ? std::pow(std::min(1.0, own / variance), 3) : 1.0;
+  return WideSlopes{slopes, here,
+                    std::min(spread, std::sqrt(std::max(0.0, 4 * variance - 3 * even)))};
 }
 
 MeanLook::MeanLook(const LookUp& look_up) {

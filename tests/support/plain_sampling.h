@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "src/base/values/vec.h"
@@ -36,6 +37,16 @@ double sharedOpacity(double opacity, double part, double lengths, double voxel);
 // slope of Sobel's operator at the eight texels around, trilinear. In a chunk with shares, where
 // one label alone shows in the 4 x 4 x 4 texels around, of its opacity times the share that shows.
 Vec3d labelSlopesAt(const ChunkTexels& chunk, const LookUp& look_up, Vec3d at);
+
+// What light falls on where texels stand for many values each and are wide, see rough_light.h: the
+// change of the means from texel to texel along each axis, the share of its square that is at the
+// place, and the spread; nothing where one of the 4 x 4 x 4 texels around is no number.
+struct WideSlopes {
+  Vec3d slopes;
+  double here = 0;
+  double spread = 0;  // what counts of it
+};
+std::optional<WideSlopes> wideSlopesAt(const ChunkTexels& chunk, Vec3d at);
 
 // The table's entry of a device value, interpolated between two entries if it interpolates.
 std::array<double, 4> lookedUp(const LookUp& look_up, double value, bool interpolates);

@@ -36,6 +36,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 #include "src/cpu/kernels/texels.inl"
 #include "src/cpu/kernels/colors.inl"
 #include "src/cpu/kernels/lighting.inl"
+#include "src/cpu/kernels/wide_slopes.inl"
 #include "src/cpu/kernels/label_slopes.inl"
 #include "src/cpu/kernels/leaps.inl"
 #include "src/cpu/kernels/segments.inl"

@@ -7,6 +7,7 @@
 #include "src/cpu/kernels/floats.h"
 #include "src/device/pictures/depth_code.h"
 #include "src/device/shading/label_shares.h"
+#include "src/device/shading/rough_light.h"
 
 namespace sluice {
 namespace {
@@ -86,6 +87,7 @@ TexelSpan texelsOf(const BoxDraw& box, Vec3i storage) {
 void setScale(const FrameSetup& setup, const BoxDraw& box, KernelBox& out) {
   const Vec3d from = box.texels(toDouble(box.cells.lo));
   out.texel_length = static_cast<float>(texelLength(box.texels.scale));
+  out.has_wide_texels = hasWideTexels(box.texels.scale);
   for (int a = 0; a < 3; ++a) {
     const auto i = static_cast<size_t>(a), axis = static_cast<size_t>(box.texels.axes[i]);
     out.texel_scale[axis] = static_cast<float>(box.texels.scale[a]);

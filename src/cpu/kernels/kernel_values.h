@@ -138,6 +138,7 @@ struct KernelBox {
   // Device values a world unit, camera space, of a value more a texel along each texel axis.
   std::array<Float3, 3> gradient{};
   float gradient_squares = 0;  // the sum of the squares of their lengths
+  bool has_wide_texels = false;  // see rough_light.h
   // Texel coordinates of the frame's light, along the volume's axes: texel coordinates along the
   // chunk's axes light_axes * light_scale + light_start.
   std::array<int, 3> light_axes{0, 1, 2};

@@ -1,22 +1,6 @@
 // Labels by their opacities: the shares of those that show, see label_shares.h, and the slopes on
 // which light falls. Included once a target.
 
-// One texel a lane, from an offset in bytes.
-template <DeviceType kType>
-HWY_INLINE V texelsFrom(const std::byte* base, VI offset) {
-  using T = std::conditional_t<kType == DeviceType::kU8, uint8_t,
-                               std::conditional_t<kType == DeviceType::kU16, uint16_t, float>>;
-  alignas(64) int32_t offsets[kMostLanes];
-  alignas(64) float values[kMostLanes];
-  hn::Store(offset, I(), offsets);
-  for (int lane = 0; lane < kLanes; ++lane) {
-    T value;
-    __builtin_memcpy(&value, base + offsets[lane], sizeof value);
-    values[lane] = static_cast<float>(value);
-  }
-  return hn::Load(F(), values);
-}
-
 // The opacity of a unit length of a label; a voxel that is no number has none.
 template <DeviceType kType>
 HWY_INLINE V labelOpacityOf(const KernelFrame& frame, V label) {
@@ -78,32 +62,6 @@ HWY_NOINLINE SharedLabel sharedLabelAt(const KernelFrame& frame, const KernelBox
           between(share, step, body, hn::Sub(whole, body))};
 }
 
-// Sobel's weights along an axis, interpolated between two texels: of the texel before a place, the
-// two around it and the one behind it, for the slope along the axis and for a mean across it.
-struct SobelWeights {
-  V slope[4], mean[4];
-};
-HWY_INLINE SobelWeights sobelWeights(V part) {
-  const V half = hn::Mul(all(0.5F), part), quarter = hn::Mul(all(0.25F), part);
-  const V rest = hn::Sub(all(0.5F), half);
-  return {{hn::Neg(rest), hn::Neg(half), rest, half},
-          {hn::Sub(all(0.25F), quarter), hn::Sub(all(0.5F), quarter),
-           hn::Add(all(0.25F), quarter), quarter}};
-}
-
-// The offsets of four texels along an axis, from the one before a cell on, cut by the chunk.
-struct FourOffsets {
-  VI of[4];
-};
-HWY_INLINE FourOffsets offsetsAround(const KernelBox& box, V cell, size_t axis) {
-  FourOffsets offsets;
-  const V lo = all(box.storage_lo[axis]), hi = all(box.storage_hi[axis]);
-  for (int i = 0; i < 4; ++i) {
-    const V texel = hn::Add(cell, all(static_cast<float>(i - 1)));
-    offsets.of[i] = wholeOf(hn::Mul(hn::Min(hn::Max(texel, lo), hi), all(box.stride[axis])));
-  }
-  return offsets;
-}
 
 // The labels of the 4 x 4 x 4 texels around a cell, x fastest, and in chunks with shares the numbers
 // that stand for the others' shares.

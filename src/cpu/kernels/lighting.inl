@@ -18,14 +18,17 @@ HWY_INLINE V shine(const KernelFrame& frame, V x) {
 struct Gradient {
   V3 g;
   V unit, squared;
-  V rough;  // the square of the slopes in all directions, see rough_light.h; 0 without spreads
+  // See rough_light.h: the square of the slopes in all directions, 0 without spreads, and the share
+  // of `squared` that is at the place.
+  V rough, here;
 };
 HWY_INLINE V squareOf(const V3& v) {
   return hn::MulAdd(v.z, v.z, hn::MulAdd(v.y, v.y, hn::Mul(v.x, v.x)));
 }
 // kRough: of a texel with this spread.
 template <bool kRough = false>
-HWY_INLINE Gradient gradientOf(const KernelBox& box, V3 difference, V spread = hn::Zero(F())) {
+HWY_INLINE Gradient gradientOf(const KernelBox& box, V3 difference, V spread = hn::Zero(F()),
+                               V here = all(1.0F)) {
   // Computed in units of the steepest axis, since squares of the values themselves may overflow.
   V unit = hn::Max(
       hn::Max(hn::Abs(difference.x), hn::Max(hn::Abs(difference.y), hn::Abs(difference.z))),
@@ -44,7 +47,7 @@ HWY_INLINE Gradient gradientOf(const KernelBox& box, V3 difference, V spread = h
     const V left = hn::NegMulAdd(all(static_cast<float>(kSlopePart)), squareOf(difference), square);
     rough = hn::Mul(all(box.gradient_squares), hn::Max(left, rough));
   }
-  return {g, unit, squareOf(g), rough};
+  return {g, unit, squareOf(g), rough, here};
 }
 
 // The shares of light that arrive at a sample, see LightVolume.
@@ -135,7 +138,7 @@ HWY_INLINE Color shaded(const KernelFrame& frame, const KernelBox& box, const V3
   V ambient = all(frame.ambient), squared = gradient.squared;
   if (!all_arrives) ambient = hn::Mul(light.open, ambient);
   if constexpr (kRough) {
-    squared = hn::Add(squared, gradient.rough);
+    squared = hn::MulAdd(squared, gradient.here, gradient.rough);
     const V even = hn::Div(gradient.rough, hn::Max(squared, all(1e-37F)));
     const V directed = hn::Sub(one, even);
     ambient = hn::MulAdd(even, even_diffuse, ambient);

@@ -65,12 +65,15 @@ HWY_INLINE V3 differencesOf(const KernelBox& box, const V3& at, const Place& pla
 template <DeviceType kType, Shading kShading>
 HWY_INLINE Gradient sampleGradient(const KernelFrame& frame, const KernelBox& box, const V3& at,
                                    const Place& place, V square) {
-  const V3 differences = differencesOf<kType, kShading>(box, at, place);
   if constexpr (hasSpreads(kShading)) {
-    const V spread = hn::Mul(hn::Sqrt(square), all(frame.spread_unit));
-    return gradientOf<true>(box, differences, spread);
+    const WideSlopes wide =
+        box.has_wide_texels
+            ? wideSlopesAt<kType>(frame, box, at, place, square)
+            : WideSlopes{differencesOf<kType, kShading>(box, at, place), all(1.0F), square};
+    const V spread = hn::Mul(hn::Sqrt(wide.square), all(frame.spread_unit));
+    return gradientOf<true>(box, wide.slopes, spread, wide.here);
   }
-  return gradientOf(box, differences);
+  return gradientOf(box, differencesOf<kType, kShading>(box, at, place));
 }
 
 // The colour of a sample with its light. `gradient`: of the values, which the numbers of labels are

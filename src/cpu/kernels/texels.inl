@@ -114,6 +114,12 @@ HWY_INLINE V valueAt(const KernelBox& box, const Place& place) {
 // Pairs of four rows of a chunk with spreads, each `more` bytes from each offset on.
 struct SpreadRows {
   Pair mean[4], spread[4];
+  // Of four bytes: a mean, its spread, and the next texel's.
+  HWY_INLINE void setPairs(int row, VI bytes) {
+    const VI mask = hn::Set(I(), 0x00FF00FF);
+    mean[row] = pairIn<DeviceType::kU16>(hn::And(bytes, mask));
+    spread[row] = pairIn<DeviceType::kU16>(hn::And(hn::ShiftRight<8>(bytes), mask));
+  }
 };
 template <DeviceType kType>
 HWY_INLINE SpreadRows spreadRowsAt(const KernelBox& box, VI offset, const int64_t (&more)[4]) {
@@ -123,12 +129,7 @@ HWY_INLINE SpreadRows spreadRowsAt(const KernelBox& box, VI offset, const int64_
   if constexpr (kType == DeviceType::kU8) {
     VI bytes[4];
     fourAtOnce(from, offset, bytes);
-    for (int i = 0; i < 4; ++i) {
-      const VI even = hn::And(bytes[i], hn::Set(I(), 0x00FF00FF));
-      const VI odd = hn::And(hn::ShiftRight<8>(bytes[i]), hn::Set(I(), 0x00FF00FF));
-      rows.mean[i] = pairIn<DeviceType::kU16>(even);
-      rows.spread[i] = pairIn<DeviceType::kU16>(odd);
-    }
+    for (int i = 0; i < 4; ++i) rows.setPairs(i, bytes[i]);
   } else if constexpr (kType == DeviceType::kU16) {
     for (int i = 0; i < 4; ++i) {
       const auto [first, second] = wideAt(from[i], offset);

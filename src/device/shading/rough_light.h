@@ -9,6 +9,17 @@
 //   w = (|g|^2 + e^2) / (|g|^2 + e^2 + flat^2)
 // Without it light falls on texture from the direction of g alone, which is little more than noise
 // there: lit pictures of coarse levels had rings and grain.
+//
+// A texel of more than 8 voxels may be wider than an edge. Central differences of such edges turn
+// with the place of the edge in its texel, which shows as rings, and reach more than a texel into
+// the even matter beside them, where level 0 has no slope. So there g comes from Sobel's operator
+// at the eight texels around, interpolated, and |g|^2 in the formulas above is multiplied by
+//   here = min(1, (kEvenPart * |d|^2 + kOwnPart * spread^2) / v)^3,
+// in which v is the variance of the values in the 4 x 4 x 4 texels of that operator: of their
+// means, and within them, by the weights of its mean. A v of more than an even slope and the
+// texel's own spread bring about tells of an edge beside the place. In e^2, spread^2 is at most
+// 4 v - 3 |d|^2: an edge in the texel has no more variance than g explains, wherever it lies. Of
+// chunks of floats, where one of the 64 is no number, all is as with narrow texels.
 #pragma once
 
 #include <algorithm>
@@ -23,6 +34,20 @@ namespace sluice {
 // on scans, sharp edges and thin shells, with texels of two and of four voxels: a tenth leaves more
 // grain on scans, and a half flattens thin shells.
 inline constexpr double kSpreadPart = 1.0 / 20, kSlopePart = 1.0 / 60;
+
+// An even slope d has a variance of |d|^2 / 12 within texels, and among the 64 means of |d|^2 / 2
+// by the weights 1/4, 1/2 and 1/4 and of |d|^2 / 4 at most by interpolation. The variance in a
+// texel is spread^2 / 4: it counts twice, and the power is the third, since of scans, sharp edges
+// and thin shells with texels of four voxels these are closest to level 0.
+inline constexpr double kEvenPart = 5.0 / 6, kOwnPart = 1.0 / 2;
+// Four times kEvenPart, less the kSlopePart / kSpreadPart that e^2 takes away.
+inline constexpr double kEdgePart = 3;
+
+// Whether light falls on texels of this scale, in texels a voxel, as on those of more than 8
+// voxels.
+inline bool hasWideTexels(Vec3d scale) {
+  return scale.x * scale.y * scale.z < 1.0 / 10;
+}
 
 // The share of a light that reaches the eye, in the mean over all directions of a surface.
 inline double evenDiffuse(const Lighting& lighting, const Light& light) {

@@ -189,8 +189,9 @@ float roughOf(vec3 difference, float spread) {
 #endif
 
 // `color` premultiplied; `squared`, `rough` (0 without spreads) and `flatness` squares of lengths
-// of gradients in one unit; `light_at`: the place in the light volume.
-vec4 shade(vec4 color, vec3 difference, float squared, float rough, float flatness,
+// of gradients in one unit; `here`: the share of `squared` that counts; `light_at`: the place in
+// the light volume.
+vec4 shade(vec4 color, vec3 difference, float squared, float here, float rough, float flatness,
            vec3 light_at) {
   float to_unit = inversesqrt(max(squared, 1e-37));
   vec2 facing = abs(vec2(dot(difference, toward0), dot(difference, toward1)));
@@ -206,7 +207,7 @@ vec4 shade(vec4 color, vec3 difference, float squared, float rough, float flatne
   float diffuse = to_unit * (facing.x + facing.y);
   float specular = dot(reflection.xy * arriving, shine(to_unit * mirrored));
 #if SPREAD
-  squared += rough;
+  squared = squared * here + rough;
   vec2 even = vec2(dot(even_light.xy, arriving), dot(even_light.zw, arriving));
   vec2 both = mix(vec2(diffuse, specular), even, rough / max(squared, 1e-37));
   diffuse = both.x;
@@ -252,12 +253,20 @@ vec4 shownColor(vec4 color, float value, float part, float entry, vec3 at, float
 #if GRADIENTS
 #if LABELS && GRADIENT_ROWS == 0
   vec3 difference = labelSlopes(at);
+#elif WIDE
+  float rough_share = share;
+  vec4 wide = wideSlopes(at, rough_share);
+  vec3 difference = wide.xyz;
 #else
   vec3 difference = differenceAt(at);
 #endif
   float unit = 1.0;
 #if SPREAD
+#if WIDE
+  float spread = rough_share / max(expected_line.z, 1e-37);
+#else
   float spread = share / max(expected_line.z, 1e-37);
+#endif
 #endif
 #if FLOATS
   // In units of the steepest axis, since squares of the values themselves may overflow.
@@ -307,7 +316,12 @@ vec4 shownColor(vec4 color, float value, float part, float entry, vec3 at, float
 #else
   const float rough = 0.0;
 #endif
-  color = shade(color, difference, squared, rough, flatness * flatness, light_at);
+#if WIDE
+  float here = wide.w;
+#else
+  const float here = 1.0;
+#endif
+  color = shade(color, difference, squared, here, rough, flatness * flatness, light_at);
 #endif
   return color;
 }

@@ -66,9 +66,6 @@ float sharedOpacity(float opacity, float part, float lengths) {
 #endif
 
 #if LABELS && LIT
-vec2 storedAt(ivec3 texel) {
-  return texelFetch(chunk, clamp(texel, ivec3(0), textureSize(chunk, 0) - 1), 0).rg;
-}
 // The opacity of the one label that shows in the 4 x 4 x 4 texels around a cell, and how much of a
 // body it is; 0: none does, or several do, or chunks have no shares.
 vec2 soleBody(ivec3 cell) {
@@ -93,11 +90,6 @@ float opacityAt(ivec3 texel, vec2 sole) {
   vec2 shown = shownOf(storedAt(texel));
   if (!(sole.x > 0.0)) return shown.x;
   return sole.x * (shown.x > 0.0 ? shown.y : sole.y * (1.0 - shown.y));
-}
-// Sobel's weights of four texels along an axis, for the slope along it and a mean across it.
-vec4 slopeWeights(float part) { return 0.5 * vec4(part - 1.0, -part, 1.0 - part, part); }
-vec4 meanWeights(float part) {
-  return 0.25 * vec4(1.0 - part, 2.0 - part, 1.0 + part, part);
 }
 // The slopes that light labels, from texel to texel, by Sobel's operator at the eight texels around
 // a place, interpolated: see lighting.h and label_shares.h.

@@ -186,6 +186,7 @@ ShaderVariant boxVariant(ShaderVariant frame, Vec3d scale, bool has_spread) {
   frame.shares = has_spread && frame.labels;
   frame.corrects = frame.corrects || frame.shares;
   frame.spread = has_spread && !frame.labels && frame.combining == Combining::kBlend;
+  frame.wide = frame.spread && (frame.lit || frame.gradient_rows > 0) && hasWideTexels(scale);
   // A spread may show where the value does not.
   frame.rough_first = frame.rough_first && !frame.spread;
   return frame;
@@ -246,6 +247,7 @@ void setShading(const FrameSetup& setup, const ShaderVariant& variant, GlProgram
   const auto& axes = setup.camera_gradient;
   program.set("index_slope", Vec3d{length(axes[0]), length(axes[1]), length(axes[2])});
   program.set("axis_cosines", axisCosines(setup));
+  if (variant.wide) program.set("wide_parts", Vec3d{kEvenPart, kOwnPart, kEdgePart});
   if (variant.lit) setLights(setup, program);
   if (variant.gradient_rows == 0) return;
   const Floats rows = rowsOf(setup);

@@ -167,6 +167,17 @@ vec3 differenceAt(vec3 at) {
 }
 #endif
 
+#if (LABELS && LIT) || WIDE
+vec2 storedAt(ivec3 texel) {
+  return texelFetch(chunk, clamp(texel, ivec3(0), textureSize(chunk, 0) - 1), 0).rg;
+}
+// Sobel's weights of four texels along an axis, for the slope along it and a mean across it.
+vec4 slopeWeights(float part) { return 0.5 * vec4(part - 1.0, -part, 1.0 - part, part); }
+vec4 meanWeights(float part) {
+  return 0.25 * vec4(1.0 - part, 2.0 - part, 1.0 + part, part);
+}
+#endif
+
 #if SPREAD
 uniform vec4 expected_line;  // of a mean: scale, offset; of a spread: scale, rows
 // The spread at a place, as its share of the volume's values; see ExpectedLook for its squares. The
@@ -179,6 +190,57 @@ float spreadShareAt(vec3 at) {
     square += weightOf(c, i) * share * share;
   }
   return sqrt(square);
+}
+#endif
+
+#if WIDE
+uniform vec3 wide_parts;  // kEvenPart, kOwnPart, kEdgePart
+// The change from one texel to the next along the texture's axes, and the share of its square that
+// is at the place, see rough_light.h. `spread`: the share that spreadShareAt() returns, and then
+// what counts of it.
+vec4 wideSlopes(vec3 at, inout float spread) {
+  // Values count from the first texel on, in shares of the volume's. Beyond `far` lie those that
+  // stand for infinities.
+  const float far = 1e15;
+  vec3 texel = at / texel_size - 0.5;
+  vec3 low = floor(texel), part = texel - low;
+  ivec3 cell = ivec3(low) - 1;
+  float first = storedAt(cell + 1).r, least = first;
+  vec4 slope_x = slopeWeights(part.x), slope_y = slopeWeights(part.y);
+  vec4 mean_x = meanWeights(part.x), mean_y = meanWeights(part.y), mean_z = meanWeights(part.z);
+  vec4 planes_x, planes_y, planes_z, planes_squares;
+  for (int k = 0; k < 4; ++k) {
+    vec4 slopes, means, squares;
+    for (int j = 0; j < 4; ++j) {
+      vec4 values, spreads;
+      for (int i = 0; i < 4; ++i) {
+        vec2 both = storedAt(cell + ivec3(i, j, k));
+        values[i] = both.r;
+        spreads[i] = max(both.g, 0.0);
+      }
+      least = min(least, min(min(values.x, values.y), min(values.z, values.w)));
+      values = clamp((values - first) * expected_line.z, -far, far);
+      spreads *= 0.5 * expected_line.z;
+      slopes[j] = dot(values, slope_x);
+      means[j] = dot(values, mean_x);
+      squares[j] = dot(values * values + spreads * spreads, mean_x);
+    }
+    planes_x[k] = dot(slopes, mean_y);
+    planes_y[k] = dot(means, slope_y);
+    planes_z[k] = dot(means, mean_y);
+    planes_squares[k] = dot(squares, mean_y);
+  }
+#if FLOATS
+  if (IS_NO_NUMBER(vec3(least)).x) return vec4(differenceAt(at), 1.0);
+#endif
+  vec3 slopes =
+      vec3(dot(planes_x, mean_z), dot(planes_y, mean_z), dot(planes_z, slopeWeights(part.z)));
+  float mean = dot(planes_z, mean_z);
+  float variance = dot(planes_squares, mean_z) - mean * mean;
+  float even = dot(slopes, slopes), square = spread * spread;
+  float here = min(1.0, dot(wide_parts.xy, vec2(even, square)) / max(variance, 1e-12));
+  spread = sqrt(min(square, max(4.0 * variance - wide_parts.z * even, 0.0)));
+  return vec4(slopes / max(expected_line.z, 1e-37), here * here * here);
 }
 #endif
 )";
