@@ -137,7 +137,7 @@ struct KernelBox {
   bool has_margin = false;            // a texel more on every side
   // Device values a world unit, camera space, of a value more a texel along each texel axis.
   std::array<Float3, 3> gradient{};
-  float gradient_squares = 0;  // the sum of the squares of their lengths
+  float gradient_squares = 0;    // the sum of the squares of their lengths
   bool has_wide_texels = false;  // see rough_light.h
   // Texel coordinates of the frame's light, along the volume's axes: texel coordinates along the
   // chunk's axes light_axes * light_scale + light_start.
