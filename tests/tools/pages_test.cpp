@@ -90,7 +90,7 @@ TEST(BlockMap, leavesOutLayersOfGridsThatDoNotFit) {
   EXPECT_FALSE(blockMap({2000, 2, 2}, {}));
 }
 
-json reportOf(double seconds, double fps) {
+json benchReport(double seconds, double fps) {
   return {{"command", "bench occlusion"},
           {"options", {{"size", "512x512"}, {"volume", json::array({"a b.raw"})}}},
           {"frame_seconds", {{"median", seconds}}},
@@ -98,21 +98,21 @@ json reportOf(double seconds, double fps) {
 }
 
 TEST(RunPage, escapesWhatItShowsAndLoadsNothing) {
-  const std::string page = runPage(reportOf(0.5, 7), {});
+  const std::string page = runPage(benchReport(0.5, 7), {});
   EXPECT_TRUE(page.starts_with("<!DOCTYPE html>"));
   EXPECT_EQ(page.find("<b>.raw"), std::string::npos);
   EXPECT_NE(page.find("&lt;b&gt;.raw"), std::string::npos);
   EXPECT_NE(page.find("fps.ess"), std::string::npos);
   for (const char* outside : {"http:", "https:", "href=", "@import", "url(", "<script"})
     EXPECT_EQ(page.find(outside), std::string::npos) << outside;
-  EXPECT_EQ(commandLineOf(reportOf(1, 1)), "sluice bench occlusion 'a b.raw' --size 512x512");
+  EXPECT_EQ(commandLineOf(benchReport(1, 1)), "sluice bench occlusion 'a b.raw' --size 512x512");
 }
 
 TEST(ComparePage, putsEachNumberAgainstTheFirstRuns) {
-  json second = reportOf(0.25, 14);
+  json second = benchReport(0.25, 14);
   second["options"]["size"] = "400x400";
   second["more"] = 3;
-  const std::vector<NamedReport> runs{{"one.json", reportOf(0.5, 7)}, {"two.json", second}};
+  const std::vector<NamedReport> runs{{"one.json", benchReport(0.5, 7)}, {"two.json", second}};
   const std::vector<ComparedNumber> numbers = compared(runs);
   const auto ratioOf = [&numbers](const std::string& name) -> std::string {
     for (const ComparedNumber& number : numbers)
