@@ -161,6 +161,8 @@ TEST(CommandLine, aNearMissIsAnsweredWithTheRightWord) {
       {"render --no-shade=false", "--no-shade: expected no value, found 'false'"},
       {"render --size 4 --size 5", "--size is given twice"},
       {"render -s 4 --size 5", "--size is given twice"},
+      {"render --shadows --shadows=0", "--shadows is given twice"},
+      {"render --jitter=0 --jitter", "--jitter is given twice"},
       {"render -x", "no option -x"}};
   for (const auto& [line, said] : cases) {
     std::istringstream stream(line);

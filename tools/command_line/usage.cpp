@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <map>
+#include <set>
 
 #include "tools/command_line/help.h"
 #include "tools/command_line/near_miss.h"
@@ -136,8 +137,9 @@ class Walk {
     asks_help_ = &option == app_->get_help_ptr() || &option == app_->get_help_all_ptr() ||
                  &option == app_->get_version_ptr();
     const bool takes_value = option.get_expected_max() != 0;
+    if (takes_value || value_attached) with_value_.insert(&option);
     // Options with a trigger take a list, one word each time.
-    if (++count_[&option] > 1 && takes_value && !option.get_trigger_on_parse())
+    if (++count_[&option] > 1 && with_value_.contains(&option) && !option.get_trigger_on_parse())
       return fmt::format("{} is given twice", name);
     if (!takes_value || value_attached) return std::nullopt;
     if (++at_ == words_.size())
@@ -151,6 +153,7 @@ class Walk {
   size_t at_ = 0;
   bool asks_help_ = false;
   std::map<const CLI::Option*, int> count_;
+  std::set<const CLI::Option*> with_value_;  // `--shadows` may stand alone or have one
 };
 
 }  // namespace
