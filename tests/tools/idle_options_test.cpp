@@ -53,6 +53,7 @@ const std::vector<Case>& cases() {
       {"--quality high", "--mode mip", "--threshold 40"},
       {"--quality high", "--iso 100", "--threshold 40"},
       {"--quality normal", "--step 3", "--step 2"},
+      {"--range 20,90", "--labels", "--threshold 40"},
       {"--ambient 0.5", "--no-shade", "--shade"},
       {"--opacity 0.5", "--mode mip", "--mode mip --threshold 40"}};
   return all;
