@@ -75,8 +75,8 @@ std::optional<ExrHeader> headerOf(std::string_view bytes) {
   return header;
 }
 
-// Of scan lines, as sluice writes them: a table of offsets follows the header, and each chunk is
-// its row, its size and as many bytes.
+// The EXR has scan lines, as sluice writes them: a table of offsets follows the header, and each
+// chunk is its row, its size and as many bytes.
 std::optional<Size> sizeOfExr(File& file) {
   // More than the texts in a header take.
   constexpr size_t kMostHeader = size_t{1} << 22;

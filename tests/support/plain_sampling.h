@@ -38,7 +38,7 @@ double sharedOpacity(double opacity, double part, double lengths, double voxel);
 // one label alone shows in the 4 x 4 x 4 texels around, of its opacity times the share that shows.
 Vec3d labelSlopesAt(const ChunkTexels& chunk, const LookUp& look_up, Vec3d at);
 
-// What light falls on where texels stand for many values each and are wide, see rough_light.h: the
+// Light falls on this where texels stand for many values each and are wide, see rough_light.h: the
 // change of the means from texel to texel along each axis, the share of its square that is at the
 // place, and the spread; nothing where one of the 4 x 4 x 4 texels around is no number.
 struct WideSlopes {

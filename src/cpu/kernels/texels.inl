@@ -114,7 +114,7 @@ HWY_INLINE V valueAt(const KernelBox& box, const Place& place) {
 // Pairs of four rows of a chunk with spreads, each `more` bytes from each offset on.
 struct SpreadRows {
   Pair mean[4], spread[4];
-  // Of four bytes: a mean, its spread, and the next texel's.
+  // The four bytes are a mean, its spread, and the next texel's.
   HWY_INLINE void setPairs(int row, VI bytes) {
     const VI mask = hn::Set(I(), 0x00FF00FF);
     mean[row] = pairIn<DeviceType::kU16>(hn::And(bytes, mask));

@@ -188,9 +188,11 @@ HWY_NOINLINE WideSlopes wideSlopesAt(const KernelFrame& frame, const KernelBox& 
     const M none = isNoNumber(sums.least);
     if (hn::AllFalse(F(), none)) return wide;
     const V3 near = differencesWithoutMargin<kType, true>(box, at);
-    wide = {{hn::IfThenElse(none, near.x, wide.slopes.x), hn::IfThenElse(none, near.y, wide.slopes.y),
+    wide = {{hn::IfThenElse(none, near.x, wide.slopes.x),
+             hn::IfThenElse(none, near.y, wide.slopes.y),
              hn::IfThenElse(none, near.z, wide.slopes.z)},
-            hn::IfThenElse(none, one, wide.here), hn::IfThenElse(none, square, wide.square)};
+            hn::IfThenElse(none, one, wide.here),
+            hn::IfThenElse(none, square, wide.square)};
   }
   return wide;
 }

@@ -245,7 +245,7 @@ TEST(Zarr, aNegativeScaleIsWarnedOf) {
               testing::ElementsAre(HasSubstr("its spacing is 3 x 1 x -1")));
 }
 
-// As xarray writes a variable with a coordinate.
+// xarray writes a variable with a coordinate so.
 TEST(Zarr, conventionsOfAnArrayAreRead) {
   const TempFolder folder;
   const fs::path array = folder / "s.zarr/v";
