@@ -26,6 +26,7 @@ struct ChannelWish {
   ChannelWish(int64_t wanted) : number(wanted) {}
   ChannelWish(std::optional<int64_t> wanted, std::string wanted_name)
       : number(wanted), name(std::move(wanted_name)) {}
+
   bool given() const { return number || !name.empty(); }
   // The text as written after --channel.
   std::string text() const { return number ? std::to_string(*number) : name; }

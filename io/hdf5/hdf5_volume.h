@@ -1,9 +1,9 @@
 // A data set of an HDF5 file as a volume: FILE.h5:/path/in/it, or the one volume of a file.
 //
 // NetCDF-4 files are HDF5. Axes, spacing and missing values are as in hdf5_axes.h; axes without
-// names are t c z y x, as in Zarr. Voxels
-// in one piece are read in place; those in chunks as ChunkedSource says. Images of Imaris and
-// BigDataViewer are known by their groups, see hdf5_images.h.
+// names are t c z y x, as in Zarr. Voxels in one piece are read in place; those in chunks as
+// ChunkedSource says. Images of Imaris and BigDataViewer are known by their groups, see
+// hdf5_images.h.
 #pragma once
 
 #include <memory>

@@ -179,10 +179,12 @@ TEST_F(SurfaceLevelsTest, noRaySlipsThroughBetweenTwoBlocksOfALevel) {
   }
 }
 
-FrameOptions fromInside(const VolumeLayout& layout, Vec3d toward) {
+// A view whose levels the width of pixels mixes, or the bytes if they are few.
+FrameOptions fromInside(const VolumeLayout& layout, Vec3d toward, uint64_t bytes) {
   FrameOptions options = insideView(layout, {0.3, 0.35, 0.4}, toward);
   options.size = {256, 256};
-  options.cut = CutOptions{.pixel_error = 12};
+  options.cut = CutOptions{.pixel_error = bytes < (uint64_t{1} << 40) ? 2.0 : 12.0};
+  options.cut->most_held_bytes = bytes;
   return options;
 }
 
@@ -194,10 +196,7 @@ TEST_F(SurfaceLevelsTest, aClosedSurfaceHasNoCracksWhereLevelsMeet) {
     const auto session = sessionOf(pyramid, surface(30), true);
     for (const Vec3d toward : {Vec3d{0, 0.1, 0.2}, {0.9, 1, 0.1}, {0.2, 0.8, 1}})
       for (const uint64_t bytes : {uint64_t{1} << 40, uint64_t{1} << 19}) {
-        FrameOptions options = fromInside(source->layout(), toward);
-        options.cut->pixel_error = bytes < (uint64_t{1} << 40) ? 2 : 12;
-        options.cut->most_held_bytes = bytes;
-        const auto [picture, report] = draw(*session, options);
+        const auto [picture, report] = draw(*session, fromInside(source->layout(), toward, bytes));
         EXPECT_GE(report.cut->levels.size(), 2U);
         EXPECT_EQ(holesIn(picture), 0) << toward.x << ", bumps " << bumps << ", bytes " << bytes;
       }
@@ -215,10 +214,7 @@ TEST_F(SurfaceLevelsTest, aTranslucentSurfaceIsMetOnceWhereLevelsMeet) {
   int64_t apart = 0, far_apart = 0, rays = 0;
   for (const Vec3d toward : {Vec3d{0, 0.1, 0.2}, {0.9, 1, 0.1}, {0.2, 0.8, 1}})
     for (const uint64_t bytes : {uint64_t{1} << 40, uint64_t{1} << 19}) {
-      FrameOptions options = fromInside(source->layout(), toward);
-      options.cut->pixel_error = bytes < (uint64_t{1} << 40) ? 2 : 12;
-      options.cut->most_held_bytes = bytes;
-      const auto [picture, report] = draw(*session, options);
+      const auto [picture, report] = draw(*session, fromInside(source->layout(), toward, bytes));
       EXPECT_GE(report.cut->levels.size(), 2U);
       for (size_t i = 3; i < picture.rgba.size(); i += 4, ++rays) {
         const double clear = 1 - std::min(double{picture.rgba[i]}, 0.999);

@@ -86,15 +86,12 @@ HWY_INLINE void readWithMargin(const KernelBox& box, VI offset, LabelsAround& ar
     const int64_t plane = (k - 1) * z;
     const int64_t more[4] = {plane - y, plane, plane + y, plane + 2 * y};
     if constexpr (kSpread) {
-      const SpreadRows lower = spreadRowsAt<kType>(
-          box, offset, {more[0] - x, more[1] - x, more[2] - x, more[3] - x});
-      const SpreadRows upper = spreadRowsAt<kType>(
-          box, offset, {more[0] + x, more[1] + x, more[2] + x, more[3] + x});
+      const WideRows rows =
+          wideRowsAt<kType>(box, offset, {more[0] - x, more[1] - x, more[2] - x, more[3] - x});
       for (int j = 0; j < 4; ++j) {
-        around.labels.setRow(4 * k + j, lower.mean[j].first, lower.mean[j].second,
-                             upper.mean[j].first, upper.mean[j].second);
-        around.others.setRow(4 * k + j, lower.spread[j].first, lower.spread[j].second,
-                             upper.spread[j].first, upper.spread[j].second);
+        const auto [labels, others] = rows.row(j);
+        around.labels.setRow(4 * k + j, labels[0], labels[1], labels[2], labels[3]);
+        around.others.setRow(4 * k + j, others[0], others[1], others[2], others[3]);
       }
     } else {
       const LongRows rows = longRowsAt<kType, false>(box, offset, more);

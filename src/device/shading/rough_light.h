@@ -46,7 +46,8 @@ inline constexpr double kEdgePart = 3;
 // Whether light falls on texels of this scale, in texels a voxel, as on those of more than 8
 // voxels.
 inline bool hasWideTexels(Vec3d scale) {
-  return scale.x * scale.y * scale.z < 1.0 / 10;
+  constexpr double kRounding = 0.005;
+  return scale.x * scale.y * scale.z < 1.0 / 8 - kRounding;
 }
 
 // The share of a light that reaches the eye, in the mean over all directions of a surface.
