@@ -36,6 +36,13 @@ void refuseOtherScheme(const std::string& name) {
 
 }  // namespace
 
+InputPath splitInputPath(const std::string& name) {
+  std::error_code missing;
+  const size_t end = name.find(":/");
+  if (end == name.npos || fs::exists(name, missing)) return {name, ""};
+  return {name.substr(0, end), name.substr(end + 1)};
+}
+
 NamedInput lookAt(const std::string& name, const OpenOptions& options) {
   NamedInput input;
   input.name = name;
@@ -45,13 +52,10 @@ NamedInput lookAt(const std::string& name, const OpenOptions& options) {
     return input;
   }
   refuseOtherScheme(name);
-  input.file = name;
+  InputPath path = splitInputPath(name);
+  input.file = path.file;
+  input.inside = std::move(path.inside);
   std::error_code missing;
-  // A file may have ":/" in its own name.
-  if (const size_t end = name.find(":/"); end != name.npos && !fs::exists(input.file, missing)) {
-    input.file = name.substr(0, end);
-    input.inside = name.substr(end + 1);
-  }
   input.is_folder = fs::is_directory(input.file, missing);
   if (input.is_folder) {
     if (!input.inside.empty())

@@ -10,6 +10,15 @@
 
 namespace sluice {
 
+// The parts of a name such as "scan.h5:/images/0".
+struct InputPath {
+  std::string file;
+  std::string inside;  // from the slash on; empty: the name is that of a file
+};
+
+// A file may have ":/" in its own name. Requires: `name` is no address.
+InputPath splitInputPath(const std::string& name);
+
 struct NamedInput {
   std::string name;  // as it was given
   // A file or folder of this machine; empty: an address, a synthetic volume.

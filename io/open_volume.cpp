@@ -38,6 +38,20 @@ std::unique_ptr<VolumeSource> openSeveral(const std::vector<std::string>& files,
       });
 }
 
+// The names that a pattern stands for, such as "step_###.h5:/set"; another name is itself.
+std::vector<std::string> namesOf(const std::string& input) {
+  if (isSynthSpec(input) || isAddress(input)) return {input};
+  InputPath pattern = splitInputPath(input);
+  if (!isPattern(pattern.file)) pattern = {input, ""};
+  if (!isPattern(pattern.file)) return {input};
+  const auto matches = expandPattern(pattern.file);
+  requireOneSeries(pattern.file, matches);
+  const std::string inside = pattern.inside.empty() ? "" : ":" + pattern.inside;
+  std::vector<std::string> names;
+  for (const std::filesystem::path& file : matches) names.push_back(file.string() + inside);
+  return names;
+}
+
 // Sparse files may describe a volume of any size. Its voxels are counted in many places.
 std::unique_ptr<VolumeSource> countable(std::unique_ptr<VolumeSource> source,
                                         const std::string& file) {
@@ -59,13 +73,7 @@ std::unique_ptr<VolumeSource> openVolume(const std::vector<std::string>& inputs,
   SLUICE_CHECK(!inputs.empty());
   std::vector<std::string> files;
   for (const std::string& input : inputs) {
-    if (isSynthSpec(input) || isAddress(input) || !isPattern(input)) {
-      files.push_back(input);
-      continue;
-    }
-    const auto matches = expandPattern(input);
-    requireOneSeries(input, matches);
-    for (const std::filesystem::path& file : matches) files.push_back(file.string());
+    for (std::string& name : namesOf(input)) files.push_back(std::move(name));
   }
   if (files.size() == 1) return countable(openOne(files[0], options), files[0]);
   const std::optional<std::string> note = orderByNumbers(files);

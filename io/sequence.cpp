@@ -5,6 +5,9 @@
 #include <iterator>
 
 #include "io/files/file_list.h"
+#include "io/named_input.h"
+#include "io/synth/synth_source.h"
+#include "io/web/address.h"
 #include "src/base/error.h"
 #include "src/base/values/digest.h"
 
@@ -12,6 +15,10 @@ namespace sluice {
 namespace {
 
 namespace fs = std::filesystem;
+
+bool isOfNoFile(const std::string& step) {
+  return isSynthSpec(step) || isAddress(step);
+}
 
 bool isFolder(const std::string& step) {
   std::error_code ignored;  // opening the step tells why it cannot be read
@@ -75,19 +82,27 @@ SequenceSource::SequenceSource(std::vector<std::string> steps, Opener opener, si
 std::string SequenceSource::identityOfSteps(VolumeSource& first) const {
   const bool are_stores = isWholeFolder(first, steps_[0]);
   std::vector<fs::path> files;
-  Digest of_folders;
-  bool has_folders = false;
+  Digest of_volumes, of_insides;
+  bool has_volumes = false, has_insides = false;
   for (const std::string& step : steps_) {
-    std::vector<fs::path> of_step{step};
-    if (isFolder(step)) of_step = are_stores ? std::vector<fs::path>() : listFolder(step);
+    const InputPath path = isOfNoFile(step) ? InputPath() : splitInputPath(step);
+    std::vector<fs::path> of_step;
+    if (isFolder(step))
+      of_step = are_stores ? std::vector<fs::path>() : listFolder(step);
+    else if (!path.file.empty())
+      of_step = {path.file};
     std::move(of_step.begin(), of_step.end(), std::back_inserter(files));
+    // The file's state does not tell which of its data sets is read.
+    of_insides.add(path.inside);
+    has_insides |= !path.inside.empty();
     // The listing of a store, or of a folder of folders, tells nothing of its voxels.
     if (!of_step.empty()) continue;
-    of_folders.add(openStep(step)->identity());
-    has_folders = true;
+    of_volumes.add(openStep(step)->identity());
+    has_volumes = true;
   }
   std::string identity = files.empty() ? "" : fileIdentity(files);
-  if (has_folders) identity += fmt::format("|folders {:016x}", of_folders.value());
+  if (has_insides) identity += fmt::format("|insides {:016x}", of_insides.value());
+  if (has_volumes) identity += fmt::format("|folders {:016x}", of_volumes.value());
   return identity;
 }
 

@@ -28,6 +28,63 @@ std::vector<std::filesystem::path> expandGlob(const std::string& pattern) {
   return paths;
 }
 
+// A path with one number in a component, such as the name of a file or of a folder of files.
+struct NumberedPath {
+  std::filesystem::path folder;  // where the names with numbers are; empty: the current folder
+  NumberedName name;
+  std::filesystem::path rest;  // what follows in each of them; empty: nothing
+};
+
+// nullopt: no component has a number, or more than one. Components that exist are names.
+std::optional<NumberedPath> parseNumberedPath(const std::filesystem::path& pattern) {
+  NumberedPath path;
+  auto part = pattern.begin();
+  std::error_code error;
+  for (; part != pattern.end(); ++part) {
+    const auto numbered = parseNumberedName(part->string());
+    if (numbered && !std::filesystem::exists(path.folder / *part, error)) {
+      path.name = *numbered;
+      break;
+    }
+    path.folder /= *part;
+  }
+  if (part == pattern.end()) return std::nullopt;
+  while (++part != pattern.end()) {
+    if (isNumbered(*part)) return std::nullopt;
+    path.rest /= *part;
+  }
+  return path;
+}
+
+// All entries of a folder except hidden names, in natural order.
+std::vector<std::filesystem::path> entriesOf(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::vector<std::filesystem::path> entries;
+  for (std::filesystem::directory_iterator it(folder, error), end; !error && it != end;
+       it.increment(error)) {
+    const bool is_hidden = it->path().filename().native().starts_with('.');
+    if (!is_hidden) entries.push_back(it->path());
+  }
+  if (error) fail("{}: the folder cannot be read: {}", folder.string(), error.message());
+  std::sort(entries.begin(), entries.end(),
+            [](const auto& a, const auto& b) { return naturalLess(a.native(), b.native()); });
+  return entries;
+}
+
+std::vector<std::filesystem::path> expandNumbers(const NumberedPath& pattern) {
+  std::vector<std::filesystem::path> paths;
+  for (const auto& entry : entriesOf(pattern.folder.empty() ? "." : pattern.folder)) {
+    if (!pattern.name.matches(entry.filename().string())) continue;
+    auto path = pattern.folder / entry.filename();
+    if (!pattern.rest.empty()) path /= pattern.rest;
+    std::error_code error;
+    if (std::filesystem::symlink_status(path, error).type() !=
+        std::filesystem::file_type::not_found)
+      paths.push_back(std::move(path));
+  }
+  return paths;
+}
+
 // The name with '#' for each run of digits.
 std::string withoutNumbers(std::string_view name) {
   std::string result;
@@ -99,20 +156,13 @@ bool naturalLess(std::string_view a, std::string_view b) {
 bool isPattern(const std::string& name) {
   std::error_code error;
   if (std::filesystem::exists(name, error)) return false;
-  return name.find_first_of("*?[") != std::string::npos ||
-         parseNumberedName(std::filesystem::path(name).filename().string()).has_value();
+  return name.find_first_of("*?[") != std::string::npos || parseNumberedPath(name).has_value();
 }
 
 std::vector<std::filesystem::path> expandPattern(const std::string& pattern) {
-  std::vector<std::filesystem::path> paths;
-  const std::filesystem::path as_path(pattern);
-  if (const auto numbered = parseNumberedName(as_path.filename().string())) {
-    const auto parent = as_path.parent_path();
-    for (const auto& file : listFolder(parent.empty() ? "." : parent))
-      if (numbered->matches(file.filename().string())) paths.push_back(parent / file.filename());
-  } else {
-    paths = expandGlob(pattern);
-  }
+  const auto numbered = parseNumberedPath(pattern);
+  std::vector<std::filesystem::path> paths =
+      numbered ? expandNumbers(*numbered) : expandGlob(pattern);
   if (paths.empty()) fail("{}: no file matches this pattern", pattern);
   std::sort(paths.begin(), paths.end(),
             [](const auto& a, const auto& b) { return naturalLess(a.native(), b.native()); });
@@ -120,17 +170,11 @@ std::vector<std::filesystem::path> expandPattern(const std::string& pattern) {
 }
 
 std::vector<std::filesystem::path> listFolder(const std::filesystem::path& folder) {
-  std::error_code error;
-  std::vector<std::filesystem::path> files;
-  for (std::filesystem::directory_iterator it(folder, error), end; !error && it != end;
-       it.increment(error)) {
-    const bool is_hidden = it->path().filename().native().starts_with('.');
+  std::vector<std::filesystem::path> files = entriesOf(folder);
+  std::erase_if(files, [](const std::filesystem::path& file) {
     std::error_code unknown;
-    if (!is_hidden && !it->is_directory(unknown)) files.push_back(it->path());
-  }
-  if (error) fail("{}: the folder cannot be read: {}", folder.string(), error.message());
-  std::sort(files.begin(), files.end(),
-            [](const auto& a, const auto& b) { return naturalLess(a.native(), b.native()); });
+    return std::filesystem::is_directory(file, unknown);
+  });
   return files;
 }
 
@@ -165,7 +209,7 @@ std::optional<int64_t> numberOfDigits(std::string_view digits) {
   return numberIn<int64_t>(digits);
 }
 
-// Files whose names differ in one number alone, which goes up.
+// Files whose paths differ in one number alone, which goes up.
 struct NumberedFiles {
   NumberedName name;
   std::vector<int64_t> numbers;
@@ -174,15 +218,15 @@ struct NumberedFiles {
 // nullopt: no such files.
 std::optional<NumberedFiles> numberedFiles(const std::vector<std::filesystem::path>& files) {
   if (files.size() < 2) return std::nullopt;
-  const std::string a = files[files.size() - 2].filename(), b = files.back().filename();
-  // The place of the number is the one at which the last two names differ, from its first digit on:
+  const std::string a = files[files.size() - 2].string(), b = files.back().string();
+  // The place of the number is the one at which the last two paths differ, from its first digit on:
   // "099" and "100" already differ there, "108" and "109" only at the end.
   auto begin =
       static_cast<size_t>(std::mismatch(a.begin(), a.end(), b.begin(), b.end()).second - b.begin());
   while (begin > 0 && isDigit(b[begin - 1])) --begin;
   NumberedFiles found{{b.substr(0, begin), {}, SIZE_MAX}, {}};
   for (const auto& file : files) {
-    const std::string name = file.filename();
+    const std::string name = file.string();
     if (!name.starts_with(found.name.before)) return std::nullopt;
     const size_t end = std::min(name.find_first_not_of("0123456789", begin), name.size());
     const auto number = numberOfDigits(std::string_view(name).substr(begin, end - begin));
@@ -216,7 +260,7 @@ std::optional<std::filesystem::path> missingFile(const std::vector<std::filesyst
   for (size_t i = numbers.size() - 1; i > 0; --i)
     if (numbers[i] - numbers[i - 1] > step) wanted = numbers[i - 1] + step;
   if (wanted == numbers.back()) return std::nullopt;
-  return files.back().parent_path() / found->name.with(wanted);
+  return found->name.with(wanted);
 }
 
 std::optional<std::string> gapNote(const std::vector<std::filesystem::path>& files) {
@@ -232,22 +276,28 @@ std::optional<std::string> gapNote(const std::vector<std::filesystem::path>& fil
   // is missing before the third.
   const bool is_one_of_four = numbers.size() == 3 && steps.contains(2 * step);
   if (usual->second * 3 < (numbers.size() - 1) * 2 && !is_one_of_four) return std::nullopt;
+  const std::filesystem::path folder =
+      std::filesystem::path(found->name.before + "0").parent_path();
+  constexpr int64_t kMostNames = 4;
+  std::vector<std::string> names;
   int64_t missing = 0;
-  size_t gap = 0;
-  for (size_t i = numbers.size() - 1; i > 0; --i) {
+  for (size_t i = 1; i < numbers.size(); ++i) {
     const int64_t between = (numbers[i] - numbers[i - 1]) / step - 1;
-    if (between < 1) continue;
+    for (int64_t k = 1; k <= between && missing + k <= kMostNames; ++k) {
+      const std::filesystem::path name = found->name.with(numbers[i - 1] + k * step);
+      names.push_back(name.lexically_relative(folder).string());
+    }
     missing += between;
-    gap = i;
   }
   if (missing == 0) return std::nullopt;
-  const std::string what =
-      missing == 1 ? "is missing" : fmt::format("and {} more are missing", missing - 1);
-  return fmt::format(
-      "{}: {} {}, between {} and {}; the files on both sides of a gap become neighbours",
-      files[0].parent_path().empty() ? "." : files[0].parent_path().string(),
-      found->name.with(numbers[gap - 1] + step), what, files[gap - 1].filename().string(),
-      files[gap].filename().string());
+  const auto unnamed = missing - static_cast<int64_t>(names.size());
+  if (unnamed > 0) names.push_back(fmt::format("{} more", unnamed));
+  std::string list = names[0];
+  for (size_t i = 1; i < names.size(); ++i)
+    list += (i + 1 == names.size() ? " and " : ", ") + names[i];
+  return fmt::format("{}: {} {} missing; the files on both sides of a gap become neighbours",
+                     folder.empty() ? "." : folder.string(), list,
+                     names.size() == 1 ? "is" : "are");
 }
 
 std::optional<std::string> orderByNumbers(std::vector<std::string>& names) {

@@ -26,11 +26,11 @@ inline constexpr size_t kSampledFiles = 64;
 bool naturalLess(std::string_view a, std::string_view b);
 
 // Whether `name` is a pattern and not a file's name: it has *, ? or [, or a place for one number
-// (numbered_name.h), and no file is called so.
+// (numbered_name.h) in a component that does not exist, and no file is called so.
 bool isPattern(const std::string& name);
 
-// The files that a pattern stands for: for a glob in natural order; for a number (only in the last
-// component of the path) in the order of the numbers, gaps allowed, so that steps of 100 work.
+// The files and folders that a pattern stands for: for a glob in natural order; for a number (in
+// one component of the path) in the order of the numbers, gaps allowed, so that steps of 100 work.
 // Throws Error when none matches.
 std::vector<std::filesystem::path> expandPattern(const std::string& pattern);
 
@@ -44,18 +44,18 @@ std::vector<std::filesystem::path> listFolder(const std::filesystem::path& folde
 // more: they would make one volume of several. The line gives the pattern of each.
 void requireOneSeries(const std::string& name, const std::vector<std::filesystem::path>& files);
 
-// The numbers of files, in order, that differ in one number alone, which goes up. Empty: no such
-// series.
+// The numbers of files, in order, whose paths differ in one number alone, which goes up. Empty: no
+// such series.
 std::vector<int64_t> numbersOf(const std::vector<std::filesystem::path>& files);
 
 // A note that names the missing numbers if the files are one series whose numbers go up in equal
 // steps but for gaps. nullopt: no gap, or no such series. The files are in order.
 std::optional<std::string> gapNote(const std::vector<std::filesystem::path>& files);
 
-// The file to look for if `files`, in order, differ in one number alone and `count` more were
-// expected: the first that is missing between them, else the `count`th after the last, in steps as
-// small as the smallest between two of them. nullopt: no such series, or nothing is missing and
-// `count` is 0.
+// The file to look for if the paths of `files`, in order, differ in one number alone and `count`
+// more were expected: the first that is missing between them, else the `count`th after the last, in
+// steps as small as the smallest between two of them. nullopt: no such series, or nothing is
+// missing and `count` is 0.
 std::optional<std::filesystem::path> missingFile(const std::vector<std::filesystem::path>& files,
                                                  int64_t count);
 

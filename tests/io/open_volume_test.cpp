@@ -169,6 +169,24 @@ TEST(OpenVolume, takesAPatternOfVolumesAsTimeSteps) {
   EXPECT_THAT(errorOf([&] { readAll(*damaged, 1); }), HasSubstr("step_010.raw"));
 }
 
+TEST(OpenVolume, takesAPatternOfStoresAsTimeSteps) {
+  const TempFolder folder;
+  for (const char step : {'0', '1', '3'}) {
+    const auto store = folder / fmt::format("t_{}.zarr/a", step);
+    std::filesystem::create_directories(store);
+    writeFile(store / ".zarray",
+              R"({"zarr_format": 2, "shape": [2, 2, 2], "chunks": [2, 2, 2], "dtype": "|u1",
+                  "compressor": null, "fill_value": 0, "order": "C", "filters": null})");
+    writeFile(store / "0.0.0", std::string(8, step));
+  }
+  for (const char* pattern : {"t_#.zarr/a", "t_%d.zarr/a", "t_*.zarr/a"}) {
+    const auto source = openVolume((folder / pattern).string());
+    EXPECT_EQ(source->layout().time_steps, 3);
+    EXPECT_EQ(valuesOf<char>(readBox(*source, {{0, 0, 0}, {1, 1, 1}}, 2)), std::vector<char>{'3'});
+    EXPECT_THAT(source->layout().notes, testing::Contains(HasSubstr("t_2.zarr/a is missing")));
+  }
+}
+
 TEST(OpenVolume, takesFoldersOfSlicesAsTimeSteps) {
   const TempFolder folder;
   for (const int t : {0, 1}) {

@@ -202,6 +202,15 @@ TEST(Sequence, identityCoversAllFiles) {
   EXPECT_NE(identity(), before);
 }
 
+TEST(Sequence, stepsMayBeNoFiles) {
+  const auto source =
+      openVolume(std::vector<std::string>{"synth:cube,dims=4x4x4", "synth:shells,dims=4x4x4"});
+  EXPECT_EQ(source->layout().time_steps, 2);
+  EXPECT_NE(source->identity(),
+            openVolume(std::vector<std::string>{"synth:cube,dims=4x4x4", "synth:cube,dims=4x4x4"})
+                ->identity());
+}
+
 TEST(Sequence, threadsReadAtOnce) {
   Steps steps(12);
   SequenceSource source(steps.files, steps.opener(), 2);

@@ -66,6 +66,21 @@ TEST(Pattern, takesHashesForDigitsAsOutputsDo) {
   EXPECT_FALSE(isPattern((folder / "a#1.raw").string()));
 }
 
+TEST(Pattern, namesFoldersAndFilesInThem) {
+  const TempFolder folder;
+  for (const char* name : {"t_0.zarr", "t_1.zarr", "t_3.zarr", "t_x.zarr", "#1"})
+    std::filesystem::create_directory(folder / name);
+  for (const char* name : {"t_0.zarr/a", "t_3.zarr/a", "#1/s_1.raw"}) writeFile(folder / name, "");
+  EXPECT_THAT(namesOf(expandPattern((folder / "t_#.zarr").string())),
+              ElementsAre("t_0.zarr", "t_1.zarr", "t_3.zarr"));
+  EXPECT_TRUE(isPattern((folder / "t_%d.zarr/a").string()));
+  EXPECT_THAT(expandPattern((folder / "t_%d.zarr/a").string()),
+              ElementsAre(folder / "t_0.zarr/a", folder / "t_3.zarr/a"));
+  // A folder may have a number sign in its own name.
+  EXPECT_THAT(namesOf(expandPattern((folder / "#1/s_#.raw").string())), ElementsAre("s_1.raw"));
+  EXPECT_FALSE(isPattern((folder / "t_#/s_#.raw").string()));
+}
+
 TEST(NumbersOf, areThoseOfFilesThatDifferInOneNumber) {
   EXPECT_THAT(numbersOf({"s_1001_2.raw", "s_1002_2.raw", "s_1004_2.raw"}),
               ElementsAre(1001, 1002, 1004));
@@ -124,17 +139,35 @@ TEST(MissingFile, isTheFirstBetweenOthersElseOneBehind) {
 
 TEST(GapNote, namesWhatIsMissing) {
   const std::vector<std::filesystem::path> few{"s_0.raw", "s_1.raw", "s_2.raw", "s_4.raw"};
-  EXPECT_THAT(gapNote(few).value_or(""), HasSubstr("s_3.raw is missing, between s_2.raw"));
+  EXPECT_THAT(gapNote(few).value_or(""), HasSubstr(".: s_3.raw is missing; "));
   EXPECT_EQ(gapNote({"s_1.raw", "s_2.raw", "s_4.raw", "s_8.raw"}), std::nullopt);
   // Three of four: two steps are neighbours, and one is missing.
   EXPECT_THAT(gapNote({"q_000.raw", "q_001.raw", "q_003.raw"}).value_or(""),
-              HasSubstr("q_002.raw is missing, between q_001.raw"));
+              HasSubstr("q_002.raw is missing"));
   EXPECT_THAT(gapNote({"q_000.raw", "q_100.raw", "q_300.raw"}).value_or(""),
               HasSubstr("q_200.raw is missing"));
   EXPECT_EQ(gapNote({"q_0.raw", "q_1.raw", "q_7.raw"}), std::nullopt);
   EXPECT_THAT(gapNote({"t8_c1.raw", "t9_c1.raw", "t10_c1.raw", "t12_c1.raw"}).value_or(""),
               HasSubstr("t11_c1.raw is missing"));
   EXPECT_EQ(gapNote({"q_0.raw", "q_3.raw", "q_5.raw"}), std::nullopt);
+}
+
+TEST(GapNote, namesTheFirstOfAllGaps) {
+  EXPECT_THAT(gapNote({"d/1.tif", "d/2.tif", "d/4.tif", "d/5.tif", "d/6.tif", "d/8.tif", "d/9.tif"})
+                  .value_or(""),
+              HasSubstr("d: 3.tif and 7.tif are missing; "));
+  EXPECT_THAT(gapNote({"s1", "s2", "s3", "s4", "s6", "s9", "s10"}).value_or(""),
+              HasSubstr("s5, s7 and s8 are missing"));
+  EXPECT_THAT(gapNote({"s1", "s2", "s3", "s9"}).value_or(""),
+              HasSubstr("s4, s5, s6, s7 and 1 more are missing"));
+}
+
+TEST(GapNote, findsNumbersOfFoldersAndInFrontOfSets) {
+  EXPECT_THAT(gapNote({"a/t0/v.raw", "a/t1/v.raw", "a/t3/v.raw"}).value_or(""),
+              HasSubstr("a: t2/v.raw is missing"));
+  EXPECT_THAT(gapNote({"t0.h5:/a/set", "t1.h5:/a/set", "t3.h5:/a/set"}).value_or(""),
+              HasSubstr("t2.h5:/a/set is missing"));
+  EXPECT_EQ(missingFile({"a/t0/v.raw", "a/t1/v.raw"}, 1), "a/t2/v.raw");
 }
 
 TEST(FileIdentity, changesWithAnyFileOfAList) {

@@ -64,6 +64,25 @@ TEST_F(Hdf5, aFileOfOneVolumeNeedsNoPath) {
               AllOf(HasSubstr("sets.h5:/a/b/deep"), HasSubstr("11 x 13 x 17"), HasSubstr("...")));
 }
 
+TEST_F(Hdf5, setsInSeveralFilesAreTimeSteps) {
+  const TempFolder folder;
+  for (const int step : {0, 1, 3})
+    fs::copy_file(pathOf("sets.h5"), folder / fmt::format("s_{:03}.h5", step));
+  for (const char* pattern : {"s_###.h5:/sized", "s_%03d.h5:/sized", "s_*.h5:/sized"}) {
+    const auto source = openVolume((folder / pattern).string());
+    EXPECT_EQ(source->layout().time_steps, 3);
+    EXPECT_EQ(source->layout().spacing, (Vec3d{0.25, 0.5, 2}));
+    EXPECT_THAT(source->layout().notes, testing::Contains(HasSubstr("s_002.h5:/sized is missing")));
+    EXPECT_EQ(readAll(*source, 2), readAll(*open("sets.h5:/sized")));
+  }
+  const auto steps = [&](const std::string& second) {
+    return openVolume(std::vector<std::string>{(folder / "s_000.h5:/sized").string(),
+                                               (folder / ("s_001.h5:/" + second)).string()});
+  };
+  // One file may have several sets of one size.
+  EXPECT_NE(steps("flat_uint8_little")->identity(), steps("flat_uint8_big")->identity());
+}
+
 TEST_F(Hdf5, placesAndScalesAreRead) {
   const VolumeLayout sized = open("sets.h5:/sized")->layout();
   EXPECT_EQ(sized.spacing, (Vec3d{0.25, 0.5, 2}));

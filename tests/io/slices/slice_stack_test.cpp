@@ -222,11 +222,10 @@ TEST(SliceFolder, missingNumbersAreNamed) {
   for (const int n : {48, 49, 51, 52, 53, 54})
     writePng(folder / fmt::format("s{:04}.png", n), {4, 3, std::vector<uint8_t>(48, 1)});
   EXPECT_THAT(openSliceFolder(folder.path())->layout().notes,
-              testing::Contains(AllOf(HasSubstr("s0050.png is missing"),
-                                      HasSubstr("between s0049.png and s0051.png"))));
+              testing::Contains(HasSubstr("s0050.png is missing")));
   std::filesystem::remove(folder / "s0049.png");
   EXPECT_THAT(openSliceFolder(folder.path())->layout().notes,
-              testing::Contains(HasSubstr("s0049.png and 1 more are missing")));
+              testing::Contains(HasSubstr("s0049.png and s0050.png are missing")));
   std::filesystem::remove(folder / "s0048.png");
   EXPECT_THAT(openSliceFolder(folder.path())->layout().notes,
               Not(testing::Contains(HasSubstr("missing"))));
