@@ -11,7 +11,7 @@
 namespace sluice {
 namespace {
 
-constexpr size_t kMostTextBytes = 64 << 10, kMostSetups = 10'000;
+constexpr size_t kMostTextBytes = 64 << 10, kMostSetups = 10'000, kMostMissing = 1'000'000;
 constexpr int64_t kMostTimes = 1'000'000;
 
 BdvAffine product(const BdvAffine& a, const BdvAffine& b) {
@@ -58,6 +58,12 @@ class BdvParser {
     return *value;
   }
 
+  // Set-up and time point.
+  std::pair<int64_t, int64_t> viewOf(const XmlTag& tag) const {
+    return {whole(tag.find("setup").value_or(""), "a setup"),
+            whole(tag.find("timepoint").value_or(""), "a timepoint")};
+  }
+
   bool isIn(std::string_view parent) const {
     return open_.size() > 1 && open_[open_.size() - 2] == parent;
   }
@@ -73,9 +79,14 @@ class BdvParser {
         fail("{}: expected at most {} set-ups, found more", path_, kMostSetups);
       image_.setups.emplace_back();
     }
+    if (tag.name == "MissingView") {
+      if (image_.missing_views.size() == kMostMissing)
+        fail("{}: expected at most {} missing views, found more", path_, kMostMissing);
+      const auto [setup, time] = viewOf(tag);
+      image_.missing_views.emplace(time, setup);
+    }
     if (tag.name == "ViewRegistration") {
-      registration_ = {whole(tag.find("setup").value_or(""), "a setup"),
-                       whole(tag.find("timepoint").value_or(""), "a timepoint")};
+      registration_ = viewOf(tag);
       affine_ = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
     }
     return true;

@@ -6,7 +6,9 @@
 
 #include <array>
 #include <cstdint>
+#include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "io/files/xml_scanner.h"
@@ -29,6 +31,8 @@ struct BdvImage {
   std::string data;    // path of the file or folder, as written
   std::vector<BdvSetup> setups;
   std::vector<int64_t> times;  // time points, ascending
+  // Time points and set-ups that have no voxels.
+  std::set<std::pair<int64_t, int64_t>> missing_views;
 };
 
 // Whether the first bytes are such a file's.

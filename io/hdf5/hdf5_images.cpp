@@ -6,6 +6,7 @@
 #include <cstring>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <utility>
 
 #include "io/files/length_unit.h"
@@ -37,6 +38,7 @@ struct Stack {
   Vec3d origin;                                                   // of the finest first voxel
   std::string unit;
   std::vector<std::string> places, identities, notes;
+  // Null: there is no such array.
   std::function<std::unique_ptr<ChunkedArray>(size_t level, int64_t time, int64_t channel)> open;
 };
 
@@ -237,6 +239,45 @@ void useBdvHdf5(const Hdf5Input& input, const std::vector<int64_t>& times,
   };
 }
 
+// Leaves out views that the .xml calls missing, whatever is stored of them. `setups`: by channel.
+void leaveOutMissing(const BdvImage& image, const std::vector<int64_t>& setups, Stack& stack) {
+  if (image.missing_views.empty()) return;
+  stack.open = [views = image.missing_views, times = image.times, setups, open = stack.open](
+                   size_t level, int64_t time, int64_t of) -> std::unique_ptr<ChunkedArray> {
+    if (views.contains({times[static_cast<size_t>(time)], setups[static_cast<size_t>(of)]}))
+      return nullptr;
+    return open(level, time, of);
+  };
+}
+
+// The number of the first time point with a view of a set-up. Adds a note if others have none.
+// Throws Error: none has.
+int64_t firstViewOf(const BdvImage& image, int64_t setup, Stack& stack) {
+  constexpr size_t kMostNumbers = 8;
+  std::vector<std::string> missing;
+  std::optional<int64_t> first;
+  int64_t more = 0;
+  for (size_t i = 0; i < image.times.size(); ++i) {
+    if (!image.missing_views.contains({image.times[i], setup}))
+      first = first.value_or(static_cast<int64_t>(i));
+    else if (missing.size() < kMostNumbers)
+      missing.push_back(std::to_string(image.times[i]));
+    else
+      ++more;
+  }
+  if (!first)
+    fail(
+        "{}: set-up {} has no view at any time point (MissingViews); choose another one with "
+        "--channel",
+        stack.name, setup);
+  if (more > 0) missing.push_back(fmt::format("{} more", more));
+  if (!missing.empty())
+    stack.notes.push_back(fmt::format(
+        "{}: set-up {} has no view at the time point{} {} (MissingViews) and is empty there",
+        stack.name, setup, missing.size() > 1 ? "s" : "", fmt::join(missing, ", ")));
+  return *first;
+}
+
 }  // namespace
 
 std::unique_ptr<VolumeSource> openHdf5Image(const Hdf5Input& input, const std::string& path,
@@ -282,6 +323,7 @@ std::unique_ptr<VolumeSource> openBdvXml(const std::string& path, const ChunkedO
     stack.notes.push_back(fmt::format(
         "{}: set-up {} lies elsewhere at other time points; it is shown in its first place", path,
         setup.id));
+  const int64_t first_view = firstViewOf(image, setup.id, stack);
   const BdvAffine& w = setup.world;
   // The columns of the affine matrix.
   for (size_t a = 0; a < 3; ++a) stack.steps[a] = {w[a], w[4 + a], w[8 + a]};
@@ -289,6 +331,7 @@ std::unique_ptr<VolumeSource> openBdvXml(const std::string& path, const ChunkedO
   stack.unit = setup.unit;
   if (image.format == "bdv.hdf5") {
     useBdvHdf5(openHdf5Input(data), image.times, setups, channel, stack);
+    leaveOutMissing(image, setups, stack);
     return openStack(std::move(stack), options);
   }
   const StorePlace root = folderPlace(data);
@@ -297,11 +340,12 @@ std::unique_ptr<VolumeSource> openBdvXml(const std::string& path, const ChunkedO
                                times[static_cast<size_t>(time)]));
   };
   for (const Vec3d& factor :
-       n5Factors(root.at(fmt::format("setup{}", setup.id)), placeOf(0, channel)))
+       n5Factors(root.at(fmt::format("setup{}", setup.id)), placeOf(first_view, channel)))
     stack.levels.push_back({.factor = factor, .extents = {}});
   stack.open = [placeOf](size_t level, int64_t time, int64_t of) {
     return openN5Array(placeOf(time, of).at(fmt::format("s{}", level))).array;
   };
+  leaveOutMissing(image, setups, stack);
   return openStack(std::move(stack), options);
 }
 

@@ -55,13 +55,13 @@ def imaris(path, cut=0):
             letters(file.create_group(f"DataSetInfo/Channel {c}"), Name=name)
 
 
-def bdv_hdf5(path):
+def bdv_hdf5(path, missing=()):
     with h5py.File(path, "w") as file:
         for c in range(CHANNELS):
             file[f"s{c:02}/resolutions"] = np.array([[1.0, 1, 1], [2, 2, 2]])
             file[f"s{c:02}/subdivisions"] = np.array([[8, 8, 8], [4, 4, 4]], "int32")
             for t in range(TIMES):
-                for level, values in enumerate((fine, coarse)):
+                for level, values in enumerate((fine, coarse) if (t, c) not in missing else ()):
                     file.create_dataset(f"t{t:05}/s{c:02}/{level}/cells", data=values[t, c].view("int16"), chunks=(4, 4, 4), compression="gzip")
 
 
@@ -74,15 +74,17 @@ def bdv_n5(path):
                 setup.array(f"timepoint{t}/s{level}", values[t, c], chunks=(4, 8, 6), compressor=numcodecs.GZip(1))
 
 
-def xml(path, loader, affines=("0.5 0 0 1 0 0.5 0 2 0 0 2 3",), second=None):
+def xml(path, loader, affines=("0.5 0 0 1 0 0.5 0 2 0 0 2 3",), second=None, missing=()):
     transforms = "".join(f'<ViewTransform type="affine"><affine>{a}</affine></ViewTransform>' for a in affines)
     registrations = "".join(f'<ViewRegistration timepoint="{t}" setup="{s}">{second if second and t == 1 else transforms}</ViewRegistration>'
                             for t in range(TIMES) for s in range(CHANNELS))
     setups = "".join(f"<ViewSetup><id>{s}</id><name>{n}</name><size>14 12 10</size><voxelSize><unit>um</unit><size>1 1 4</size></voxelSize>"
                      "</ViewSetup>" for s, n in enumerate(("DAPI", "GFP")))
+    views = "".join(f'<MissingView timepoint="{t}" setup="{s}"/>' for t, s in missing)
     with open(path, "w") as file:
         file.write(f'<?xml version="1.0" encoding="UTF-8"?>\n<SpimData version="0.2"><BasePath type="relative">.</BasePath><SequenceDescription>'
                    f'{loader}<ViewSetups>{setups}</ViewSetups><Timepoints type="range"><first>0</first><last>{TIMES - 1}</last></Timepoints>'
+                   f'<MissingViews>{views}</MissingViews>'
                    f"</SequenceDescription><ViewRegistrations>{registrations}</ViewRegistrations></SpimData>\n")
 
 
@@ -90,10 +92,15 @@ imaris(os.path.join(root, "image.ims"))
 imaris(os.path.join(root, "cut.ims"), cut=1)
 bdv_hdf5(os.path.join(root, "bdv.h5"))
 bdv_n5(os.path.join(root, "bdv.n5"))
+MISSING = ((0, 1), (2, 1), (0, 0), (1, 0), (2, 0))
+bdv_hdf5(os.path.join(root, "missing.h5"), MISSING)
 HDF5 = '<ImageLoader format="bdv.hdf5"><hdf5 type="relative">bdv.h5</hdf5></ImageLoader>'
 xml(os.path.join(root, "hdf5.xml"), HDF5, ("1 0 0 1 0 1 0 2 0 0 1 3", "0.5 0 0 0 0 0.5 0 0 0 0 2 0"))
-xml(os.path.join(root, "n5.xml"), '<ImageLoader format="bdv.n5" version="1.0"><n5 type="relative">bdv.n5</n5></ImageLoader>')
+N5 = '<ImageLoader format="bdv.n5" version="1.0"><n5 type="relative">bdv.n5</n5></ImageLoader>'
+xml(os.path.join(root, "n5.xml"), N5)
 xml(os.path.join(root, "turned.xml"), HDF5, ("0 -0.5 0 0 0.5 0 0 0 0 0 2 0",))
 xml(os.path.join(root, "moved.xml"), HDF5, second='<ViewTransform type="affine"><affine>1 0 0 9 0 1 0 0 0 0 1 0</affine></ViewTransform>')
+xml(os.path.join(root, "missing.xml"), HDF5.replace("bdv.h5", "missing.h5"), missing=MISSING)
+xml(os.path.join(root, "missing_n5.xml"), N5, missing=MISSING)
 for name in ("image.ims", "bdv.h5", "hdf5.xml", "n5.xml"):
     says(name, 1)

@@ -16,7 +16,10 @@ constexpr size_t kAxesInFront = 2, kMostOpen = 64;
 StackedArray::StackedArray(int64_t times, int64_t channels, int64_t channel,
                            std::vector<int64_t> extents, Open open, std::string name)
     : open_(std::move(open)), name_(std::move(name)) {
-  std::unique_ptr<ChunkedArray> first = open_(0, channel);
+  std::unique_ptr<ChunkedArray> first;
+  int64_t time = 0;
+  for (; time < times && !first; ++time) first = open_(time, channel);
+  SLUICE_CHECK(first);
   stamp_ = first->stamp();
   inner_ = first->array();
   array_ = inner_;
@@ -38,7 +41,7 @@ StackedArray::StackedArray(int64_t times, int64_t channels, int64_t channel,
   for (size_t& axis : array_.order) axis += kAxesInFront;
   array_.order.insert(array_.order.begin(), {0, 1});
   const MutexLock lock(mutex_);
-  arrays_[channel] = std::move(first);
+  arrays_[(time - 1) * channels + channel] = std::move(first);
 }
 
 const std::vector<int64_t>& StackedArray::existing() {
@@ -55,6 +58,7 @@ std::shared_ptr<ChunkedArray> StackedArray::arrayAt(int64_t time, int64_t channe
   }
   // Opened without the lock: another thread may do the same, and the first to finish stays.
   std::shared_ptr<ChunkedArray> opened = open_(time, channel);
+  if (!opened) return nullptr;
   const ZarrArray& found = opened->array();
   if (found.shape != inner_.shape || found.chunks != inner_.chunks || found.type != inner_.type)
     fail(
@@ -85,7 +89,7 @@ StackedArray::Part StackedArray::partOf(int64_t chunk) {
 
 bool StackedArray::exists(int64_t chunk) {
   const Part part = partOf(chunk);
-  return part.array->exists(part.chunk);
+  return part.array && part.array->exists(part.chunk);
 }
 
 std::shared_ptr<CountedBytes> StackedArray::load(int64_t chunk, ChunkMemory& memory) {

@@ -18,10 +18,12 @@ namespace sluice {
 
 class StackedArray final : public ChunkedArray {
  public:
+  // Null: there is no such array; the volume is empty there.
   using Open = std::function<std::unique_ptr<ChunkedArray>(int64_t time, int64_t channel)>;
 
-  // Opens the array of step 0 of a channel, as which all must be. `extents`: of the part that is
-  // the volume, from the first voxel on; empty: all of it. `name`: in messages. Throws Error.
+  // Opens the first array of a channel, as which all must be. `extents`: of the part that is the
+  // volume, from the first voxel on; empty: all of it. `name`: in messages. Requires: there is an
+  // array of the channel. Throws Error.
   StackedArray(int64_t times, int64_t channels, int64_t channel, std::vector<int64_t> extents,
                Open open, std::string name);
 
@@ -39,7 +41,8 @@ class StackedArray final : public ChunkedArray {
     std::shared_ptr<ChunkedArray> array;
     int64_t chunk = 0;
   };
-  // The array that has a chunk, opened if need be, and the chunk's number there.
+  // The array that has a chunk, opened if need be, and the chunk's number there. No array: the
+  // chunk does not exist.
   Part partOf(int64_t chunk);
   std::shared_ptr<ChunkedArray> arrayAt(int64_t time, int64_t channel);
   void closeIdle() SLUICE_REQUIRES(mutex_);

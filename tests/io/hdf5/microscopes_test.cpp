@@ -80,6 +80,26 @@ TEST_F(Microscopes, placesUnitsAndNamesAreRead) {
   EXPECT_EQ(coarserLevels(*open("turned.xml"))[0].placement.offset, (Vec3d{0.5, 0.5, 0.5}));
 }
 
+// The N5 store has voxels of them.
+TEST_F(Microscopes, missingViewsAreEmptyAndNamed) {
+  for (const std::string name : {"missing.xml", "missing_n5.xml"}) {
+    SCOPED_TRACE(name);
+    const auto source = open(name), whole = open("bdv.h5");
+    EXPECT_THAT(source->layout().notes,
+                ElementsAre(HasSubstr("set-up 1 has no view at the time points 0, 2 (MissingViews) "
+                                      "and is empty there")));
+    EXPECT_EQ(source->layout().time_steps, 3);
+    const std::vector<std::byte> empty(readAll(*whole, 0).size());
+    EXPECT_TRUE(readAll(*source, 0) == empty);
+    EXPECT_TRUE(readAll(*source, 1) == readAll(*whole, 1));
+    EXPECT_TRUE(readAll(*source, 2) == empty);
+    EXPECT_TRUE(readAll(*coarserLevels(*source)[0].source, 1) ==
+                readAll(*coarserLevels(*whole)[0].source, 1));
+    EXPECT_THAT(errorOf([&] { open(name, 0); }),
+                HasSubstr("set-up 0 has no view at any time point (MissingViews)"));
+  }
+}
+
 // Packed as one array, they lost voxels or got those beyond their own.
 TEST_F(Microscopes, channelsMayDifferInSizeAndAreNotPackedTogether) {
   const auto first = open("cut.ims", 0), second = open("cut.ims", 1);
