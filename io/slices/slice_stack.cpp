@@ -282,6 +282,8 @@ class SliceStack final : public VolumeSource,
   // Opens each file once, for its header alone; the first one twice if it is not the only one.
   PictureFormat checkPictures() {
     PictureFormat first = pool_.take(0)->format();
+    // Behind others if it is a later one of its set.
+    const std::string given = files_[0].string();
     findSet(first);
     if (files_.size() == 1) return first;
     const std::vector<int64_t> wanted = wantedPages(first.order);
@@ -303,7 +305,7 @@ class SliceStack final : public VolumeSource,
       if (format.width != first.width || format.height != first.height || format.type != first.type)
         fail("{}: {} x {} of {}, expected {} x {} of {} as in {}; all slices must agree",
              files_[i].string(), format.width, format.height, name(format.type), first.width,
-             first.height, name(first.type), files_[0].string());
+             first.height, name(first.type), given);
       // A level needs all slices.
       if (format.reduced != first.reduced) first.reduced.clear();
     }

@@ -165,6 +165,22 @@ TEST_F(TiffPages, ofASetThatIsNotWholeAreAnError) {
 }
 
 // Its compressed bytes, and those behind them, would be read as pixels.
+// The last file is named: the others differ from it.
+TEST_F(TiffPages, ofASetThatDifferInSizeAreComparedWithTheGivenFile) {
+  const TempFolder folder;
+  for (const char* name : {"ome-set.tif", "ome-set-1.tif"})
+    std::filesystem::copy_file(pathOf(name), folder / name);
+  const std::string taller = (folder / "ome-set-2.tif").string();
+  const std::string script = fmt::format(
+      "import numpy as n, tifffile as t; f = t.TiffFile('{}'); p = f.pages[0]; "
+      "t.imwrite('{}', n.zeros((len(f.pages), p.shape[0] + 1, p.shape[1]), p.dtype), "
+      "description=p.description, photometric='minisblack', metadata=None)",
+      pathOf("ome-set-2.tif").string(), taller);
+  ASSERT_EQ(runCommand("/usr/bin/python3 -c \"" + script + "\"").status, 0);
+  EXPECT_THAT(errorOf([&] { openVolume(taller); }),
+              AllOf(HasSubstr("ome-set.tif: "), HasSubstr("as in " + taller)));
+}
+
 TEST(TiffPage, thatLostItsCompressionIsNamed) {
   if (!hasPythonModules("numpy, tifffile")) GTEST_SKIP() << "python3 with tifffile is missing";
   const TempFolder folder;
