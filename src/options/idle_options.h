@@ -32,7 +32,11 @@ struct PictureFacts {
   bool has_long_steps = false;  // too long to integrate
   bool has_surfaces = false;
   bool shows_labels = false;
-  size_t layers = 2;  // channels, and the volume of --over
+  bool has_label_colors = false;  // a table, or looks of all labels, give the colours
+  // Looks of the channels that are shown leave none of these of the picture's own.
+  bool map_is_replaced = false, range_is_replaced = false, opacity_is_replaced = false;
+  bool opacities_are_replaced = false;  // a threshold, points, or a file
+  size_t layers = 2;                    // channels, and the volume of --over
   bool is_blended = false;
   int64_t time_steps = 2;
   size_t levels = 2;  // of resolution, that pictures are drawn from

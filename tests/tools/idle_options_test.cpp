@@ -54,12 +54,22 @@ const std::vector<Case>& cases() {
       {"--quality high", "--iso 100", "--threshold 40"},
       {"--quality normal", "--step 3", "--step 2"},
       {"--range 20,90", "--labels", "--threshold 40"},
+      {"--map hot", "--labels-table table.txt", "--labels"},
+      {"--map hot", "--label all=red", "--label 1=red"},
+      {"--map hot", "--look 0:red", "--look 0:,10:90"},
+      {"--map hot", "--look 0:labels", "--labels"},
+      {"--range 20,90", "--look 0:red,10:90", "--look 0:red"},
+      {"--opacity 0.5", "--look 0:red,10:90,0.1", "--look 0:red,10:90"},
+      {"--threshold 40", "--look 0:labels", "--look 0:red"},
       {"--ambient 0.5", "--no-shade", "--shade"},
       {"--opacity 0.5", "--mode mip", "--mode mip --threshold 40"}};
   return all;
 }
 
 TEST_F(IdleOptions, areAWarningEachAndChangeNoPicture) {
+  std::ofstream table(program_.folder.path() / "table.txt");
+  for (int label = 1; label < 256; ++label) table << label << " 255 0 0 1 1 1 \"one\"\n";
+  table.close();
   for (const Case& c : cases()) {
     SCOPED_TRACE(c.option + " " + c.idle);
     const std::string name = c.option.substr(0, c.option.find(' '));
@@ -74,6 +84,19 @@ TEST_F(IdleOptions, areAWarningEachAndChangeNoPicture) {
     if (c.counts.empty()) continue;
     EXPECT_THAT(said(c.option + " " + c.counts), Not(HasSubstr("changes nothing")));
   }
+}
+
+// Whoever reads a report sees them whatever was printed.
+TEST_F(IdleOptions, areInReportsAlsoOfQuietRuns) {
+  for (const char* command : {"render -o a.png --force ", "plan "}) {
+    SCOPED_TRACE(command);
+    const auto report =
+        program_.json(std::string(command) + kSmall + " -q --size 32 --fov 50 --threshold 300");
+    EXPECT_THAT(report["warnings"],
+                testing::Contains(HasSubstr("--fov changes nothing with an orthographic camera")));
+  }
+  const CommandResult plan = program_.run(std::string("plan --size 32 --threshold 300 ") + kSmall);
+  EXPECT_THAT(plan.output, HasSubstr("warning: --threshold 300: nothing shows"));
 }
 
 // Below a voxel, a step takes places between the planes of voxels.
