@@ -49,7 +49,8 @@ class Renderer {
 
   // The options of `sluice render` that reproduce this look, even if it was chosen automatically.
   std::string lookText() const;
-  // Possible mistakes in the look, one line each: a threshold beyond the values.
+  // Possible mistakes in the look, one line each: a threshold beyond the values. Also
+  // RenderReport::why_added of the last picture.
   std::vector<std::string> lookWarnings() const;
   // The options of `given` ("--fov", as for `sluice render`) that change nothing in a picture with
   // these options and the look as it is, one line each: another option, or the volume, leaves them

@@ -35,6 +35,9 @@ struct RenderReport {
   std::string why_empty;
   // Which of several channels show nothing, and why, in one line; empty if none or all do.
   std::string empty_channels;
+  // Why the pictures of two volumes are added that would be blended without an option for something
+  // else, in one line; empty: they are blended, or added anyway.
+  std::string why_added;
   uint64_t pages_loaded = 0;
 
   uint64_t read_bytes = 0;  // level 1: taken from the volume's files, as they are stored

@@ -69,7 +69,7 @@ std::string Renderer::lookText() const {
 }
 
 std::vector<std::string> Renderer::lookWarnings() const {
-  return impl().on([](Drawing& drawing) { return drawing.look().warnings; });
+  return impl().on([](Drawing& drawing) { return drawing.lookWarnings(); });
 }
 
 std::vector<std::string> Renderer::idleOptions(const std::set<std::string>& given,

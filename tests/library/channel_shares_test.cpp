@@ -26,5 +26,18 @@ TEST(ChannelShares, areToldOnlyWhereMemoryIsShort) {
   EXPECT_THAT(errorOfShare(shortage, 2), HasSubstr("no room (2 channels share the memory"));
 }
 
+// Channels of one file that have grids of their own, as those of Imaris and BigDataViewer may.
+TEST(BlendedLayers, ofOneFileAreToldApartInMessages) {
+  VolumeLayout first, second;
+  first.path = second.path = "cells.ims";
+  second.channel = 2;
+  second.dims = {2, 2, 2};
+  const auto obstacle = blendObstacle({}, {}, {&first, &second});
+  ASSERT_TRUE(obstacle);
+  EXPECT_FALSE(obstacle->is_option);
+  EXPECT_THAT(obstacle->line, HasSubstr("channel 2 of cells.ims is on another grid of voxels than "
+                                        "channel 0; leave out --combine"));
+}
+
 }  // namespace
 }  // namespace sluice

@@ -34,6 +34,8 @@ TEST(Combining, editsOfTheLookKeepTheMemoryOfPicturesWithShadows) {
   EXPECT_EQ(renderer.report().texture_cache.loads, loads);
   EXPECT_GT(renderer.report().texture_cache.requests, requests);
   EXPECT_FALSE(renderer.shownLook().blends);
+  EXPECT_THAT(renderer.report().why_added, HasSubstr("added, not blended: --combine blend knows"));
+  EXPECT_THAT(renderer.lookWarnings(), testing::Contains(renderer.report().why_added));
   Renderer other(volume, {.threshold = 90, .opacity = 0.2});
   EXPECT_EQ(edited.rgba, other.draw(shadowed()).rgba);
   EXPECT_GT(visiblePixels(edited.toRgba8()), 0U);

@@ -123,7 +123,13 @@ TEST_F(Over, isOneMediumOnOneGridUnlessAsked) {
     isAs("add", labels + options);
   const std::string note = "warning: the pictures of the two volumes are added, not blended: ";
   for (const char* options : {"--partition boxes", "--iso 100 --threshold 60"})
-    EXPECT_THAT(render("scan.nrrd " + labels + options + " -o note.png"), HasSubstr(note));
+    for (const char* command : {"render --force -o note.png ", "plan ", "simulate "})
+      EXPECT_THAT(program_.run(command + ("scan.nrrd " + labels) + options).output,
+                  HasSubstr(note + "--combine blend draws "))
+          << command << options;
+  EXPECT_THAT(
+      program_.json("render scan.nrrd " + labels + "--iso 100 -q --force -o note.png")["warnings"],
+      testing::Contains(HasSubstr("are added, not blended: ")));
   EXPECT_THAT(render("scan.nrrd " + labels + "--partition boxes --combine add -o note.png"),
               Not(HasSubstr(note)));
   EXPECT_THAT(render("scan.nrrd --over turned.nrrd --partition boxes -o note.png"),

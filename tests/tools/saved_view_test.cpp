@@ -42,6 +42,19 @@ TEST_F(SavedView, wrongNumbersAreNamedByFileAndField) {
   EXPECT_FALSE(program_.exists("b_0.png"));
 }
 
+TEST_F(SavedView, slicesAreLeftOutWithAWarning) {
+  const std::string shown = R"({"sluice": "view", "cross": [3, 4, 5], "slices": )";
+  write("slices.json", shown + "true}");
+  write("plain.json", shown + "false}");
+  const auto said = [&](const std::string& file) {
+    return program_
+        .run("render " + std::string(kStateVolume) + " --size 32 --force -o a.png --state " + file)
+        .output;
+  };
+  EXPECT_THAT(said("slices.json"), HasSubstr("sluice: warning: slices.json: \"slices\""));
+  EXPECT_THAT(said("plain.json"), testing::Not(HasSubstr("warning")));
+}
+
 // The options of `render` have limits of their own. Values beyond them are no wrong usage.
 TEST_F(SavedView, valuesBeyondAnOptionAreTheFiles) {
   const std::string volume = kStateVolume;

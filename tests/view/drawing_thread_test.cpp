@@ -140,6 +140,21 @@ TEST(DrawingThread, anEmptyPictureSaysWhy) {
   EXPECT_THAT(seen.picture->why_empty, HasSubstr("transfer function"));
 }
 
+TEST(DrawingThread, aPictureOfTwoVolumesThatAreAddedSaysWhy) {
+  DrawingThread desk(drawingOptions());
+  Seen seen(desk);
+  ASSERT_TRUE(seen.open(kVolume, kVolume));
+  Wish wish = seen.wish();
+  wish.state.look.threshold = 90;
+  wish.state.look.light = LookOptions::Light::kOn;
+  ASSERT_TRUE(seen.whole(desk.wish(wish)));
+  ASSERT_TRUE(seen.picture != nullptr);
+  EXPECT_EQ(seen.picture->why_added, "");
+  wish.state.lighting.shadows = 1;
+  ASSERT_TRUE(seen.whole(desk.wish(wish)));
+  EXPECT_THAT(seen.picture->why_added, HasSubstr("leave out \"shadows\" and \"occlusion\""));
+}
+
 TEST(DrawingThread, theNewestWishIsTheOneThatIsShown) {
   DrawingThread desk(drawingOptions());
   Seen seen(desk);

@@ -57,11 +57,12 @@ struct Seen {
     }
     return false;
   }
-  bool open(const std::string& path) {
+  bool open(const std::string& path, const std::string& over = "") {
     opened.reset();
     failures.clear();
     ViewedVolume volume;
     volume.paths = {path};
+    volume.options.over = over;
     desk.open(volume, std::nullopt);
     return until([&] { return opened != nullptr || !failures.empty(); }) && opened != nullptr;
   }

@@ -33,7 +33,8 @@ std::string nameInPath(std::string_view option) {
 }
 
 // Options that were given for nothing, one line each, and such fields of a camera path.
-void warnOfIdleOptions(const RenderJob& job, const std::set<std::string>& given) {
+std::vector<std::string> idleLines(const RenderJob& job, const std::set<std::string>& given) {
+  std::vector<std::string> lines;
   const Arguments& arguments = job.arguments;
   const Scene& scene = job.scene;
   PictureFacts facts = pictureFacts(scene, lastOptions(scene, job.options, arguments.end));
@@ -41,13 +42,30 @@ void warnOfIdleOptions(const RenderJob& job, const std::set<std::string>& given)
   facts.is_culled = arguments.culling.culling != Culling::kNone;
   facts.is_film = isFilmName(arguments.output);
   for (const std::string& line : idleOptions(given, facts))
-    printWarning(fmt::format("{}: {}", scene.volume.name, line));
-  if (!arguments.path) return;
+    lines.push_back(fmt::format("{}: {}", scene.volume.name, line));
+  if (!arguments.path) return lines;
   const bool has_fov = std::ranges::any_of(
       arguments.path->keys, [](const CameraKey& key) { return key.field_of_view_deg.has_value(); });
-  if (!has_fov) return;
+  if (!has_fov) return lines;
   for (const std::string& line : idleOptions({"--fov"}, facts))
-    printWarning(fmt::format("{}: {}", arguments.path_file, renamed(line, nameInPath)));
+    lines.push_back(fmt::format("{}: {}", arguments.path_file, renamed(line, nameInPath)));
+  return lines;
+}
+
+// The warnings that do not follow from the scene's look or its volumes' notes.
+std::vector<std::string> warningsOf(const RenderJob& job, const std::set<std::string>& given,
+                                    const std::optional<SavedView>& saved) {
+  std::vector<std::string> lines;
+  if (job.scene.volume.stand_in) lines.push_back(job.scene.volume.standInNote());
+  if (saved) std::ranges::move(saved->notes(), std::back_inserter(lines));
+  std::ranges::move(idleLines(job, given), std::back_inserter(lines));
+  return lines;
+}
+
+nlohmann::json reportOf(const RenderJob& job, const CLI::App& app, const Drawn& drawn) {
+  nlohmann::json report = reportOf(job.arguments, app, job.to_draw, drawn, job.scene);
+  for (const std::string& line : job.warnings) report["warnings"].push_back(line);
+  return report;
 }
 
 void requireSingleProcess(const Arguments& arguments, const Team& team) {
@@ -71,7 +89,7 @@ void startTrace(const Arguments& arguments, Scene& scene) {
 // Keeps the report of the frames that were drawn before a signal, for --continue.
 void reportUntilSignal(const RenderJob& job, const CLI::App& app, const Drawn& drawn,
                        const nlohmann::json& earlier) {
-  nlohmann::json report = reportOf(job.arguments, app, job.to_draw, drawn, job.scene);
+  nlohmann::json report = reportOf(job, app, drawn);
   addEarlierFrames(job.arguments, earlier, report);
   writeReportOf(job.arguments, report, drawn, job.scene, true);
 }
@@ -117,7 +135,7 @@ int drawAndReport(const RenderJob& job, const FittedScene& fitted, Room room, co
   scene.recordTo("");
   nlohmann::json report;
   if (wantsReport(arguments)) {
-    report = reportOf(arguments, app, job.to_draw, drawn, scene);
+    report = reportOf(job, app, drawn);
     if (series.choice()) report["culling_choice"] = choiceJson(*series.choice());
     addEarlierFrames(arguments, earlier, report);
   }
@@ -196,16 +214,13 @@ int run(Arguments& arguments, CLI::App& app, Team* team) {
   const std::vector<Camera>& cameras = fitted.cameras;
   if (is_first && !arguments.resources.quiet)
     for (const std::string& warning : scene.lookWarnings()) printWarning(warning);
-  if (is_first && !arguments.resources.quiet)
-    if (const std::string note = addedNote(scene.asked, arguments.frame, scene.looks());
-        !note.empty())
-      printWarning(note);
-  if (scene.volume.stand_in && !arguments.resources.quiet) printWarning(scene.volume.standInNote());
   if (team != nullptr) expectSameScene(*team, scene, cameras, arguments.frame);
   RenderJob job{arguments, to_draw,  cameras,  output, {},
                 scene,     is_first, has_step, began,  std::move(earlier_pictures)};
   job.options = drawingOptions(job);
-  if (is_first && !arguments.resources.quiet) warnOfIdleOptions(job, given);
+  job.warnings = warningsOf(job, given, saved);
+  if (is_first && !arguments.resources.quiet)
+    for (const std::string& line : job.warnings) printWarning(line);
   requireWholePicture(arguments, scene);
   return drawAndReport(job, fitted, room, app, team);
 }

@@ -26,6 +26,7 @@ struct RenderJob {
   Deadline::TimePoint began;  // of the command: the first frame's time counts from here
   // Pictures of the first frame that were drawn from a sample.
   std::vector<RefinedPicture> earlier = {};
+  std::vector<std::string> warnings = {};  // of the command, in addition to the scene's
 };
 
 // For a series without a path, one camera shows every step.

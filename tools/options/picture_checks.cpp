@@ -28,7 +28,7 @@ void checkPlainOptions(const VolumeArguments& volume, const LookArguments& look,
   const VolumeOptions& asked = volume.asked;
   const bool are_several = !asked.over.empty() || asked.channel_name.find(',') != std::string::npos;
   if (!are_several || look.combine != Combine::kBlend) return;
-  if (const auto obstacle = blendObstacle(look, frame, {})) failUsage("{}", *obstacle);
+  if (const auto obstacle = blendObstacle(look, frame, {})) failUsage("{}", obstacle->line);
 }
 
 std::optional<CutOptions> cutOf(const PictureArguments& picture, bool refines, PictureRow row) {

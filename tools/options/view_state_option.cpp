@@ -108,6 +108,12 @@ void SavedView::requireFits(const VolumeInfo& volume) const {
   sluice::requireFits(file.state, file.path, volume, name);
 }
 
+std::vector<std::string> SavedView::notes() const {
+  if (!file.state.shows_slices) return {};
+  return {fmt::format("{}: \"slices\" and \"cross\" are left out: slices show in the window alone",
+                      name)};
+}
+
 bool SavedView::isToBlame(const Error& error) const {
   const std::string_view message = error.what();
   const auto isNamed = [&](const std::string& option) {

@@ -28,6 +28,8 @@ struct SavedView {
   std::string name;                              // the file's name
   std::vector<std::string> volume_options = {};  // of the volume, taken from the file
 
+  // Parts of the view that no picture shows, one line each.
+  std::vector<std::string> notes() const;
   // Whether the error speaks of an option that the file has and the user did not give.
   bool isToBlame(const Error& error) const;
   // Throws Error, which names the file, when it does not fit the volume.

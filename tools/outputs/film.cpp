@@ -241,8 +241,10 @@ int writeFilm(const RenderArguments& arguments, const CLI::App& app, const Saved
   const Volume volume(viewed.paths, viewed.options, watch);
   saved.requireFits(volume.info());
   checkOutputs(arguments, film, frames, volume.info().files);
-  if (!is_quiet)
+  if (!is_quiet) {
     for (const std::string& warning : volume.info().warnings) printWarning(warning);
+    for (const std::string& note : saved.notes()) printWarning(note);
+  }
   ViewState now = viewState(*arguments.asked, arguments.volume, arguments.look);
   const int width = arguments.frame.size.width, height = arguments.frame.size.height;
   RendererOptions options = rendererOptions(arguments.resources);

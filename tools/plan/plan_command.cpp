@@ -169,10 +169,11 @@ int run(const PlanArguments& asked, const CLI::App& app) {
   if (must_read && !pass) opened = openPlanned(arguments, FinestLevel::kRead, outputs, pool);
   const std::vector<LayerLook> looks = opened.looks();
   const IndexedVolume& first = opened.volumes.front();
+  const std::vector<std::string> warnings =
+      optionWarnings(givenOptions(app), arguments.look, arguments.frame, arguments.culling,
+                     arguments.resources, opened);
   if (!arguments.resources.quiet)
-    for (const std::string& line : idleOptions(givenOptions(app), arguments.look, arguments.frame,
-                                               arguments.culling, arguments.resources, opened))
-      printWarning(line);
+    for (const std::string& line : warnings) printWarning(line);
   arguments.frame.camera = opened.cameras.front();
   if (looks.size() > 1 && arguments.culling.culling != Culling::kNone)
     fail("{}: --culling looks at one channel, {}", first.name,
@@ -190,6 +191,8 @@ int run(const PlanArguments& asked, const CLI::App& app) {
   nlohmann::json report = reportOf(plan);
   report["command"] = "plan";
   report["options"] = optionsJson(app);
+  report["warnings"] = warnings;
+  for (const std::string& note : notesOf(opened)) report["warnings"].push_back(note);
   addStoreJson(report, sumOf(channels).forecast, pass);
   if (culling) report["culling"] = countsJson(culling->blocks.counts());
   if (!arguments.report_file.empty()) {

@@ -81,6 +81,8 @@ std::vector<IndexedVolume> openIndexedChannels(const VolumeArguments& arguments,
     for (const ChannelSource& channel : opened) outputs.check(channel.source->files());
     // Several channels have no row of pictures that begins with a sample.
     if (opened.size() > 1) finest = std::min(finest, FinestLevel::kMayWait);
+    if (opened.size() > 1 && look.combine == Combine::kBlend)
+      if (const auto obstacle = blendObstacle(look, pictures, {})) failUsage("{}", obstacle->line);
     const bool blends = opened.size() > 1 && mayBlend(opened, look, pictures);
     std::vector<IndexNeeds> needs;
     for (const ChannelSource& channel : opened) {

@@ -30,8 +30,13 @@ OpenedPicture openPicture(PictureRequest request, FinestLevel finest, const Outp
   opened.volumes = openIndexedChannels(request.volume, request.look, request.resources, frame,
                                        finest, pool, outputs);
   opened.transfers.reserve(opened.volumes.size());
-  for (const IndexedVolume& volume : opened.volumes)
-    opened.transfers.push_back(lookFor(volume, request.look, frame.mode).transfer);
+  for (const IndexedVolume& volume : opened.volumes) {
+    ChosenLook look = lookFor(volume, request.look, frame.mode);
+    for (const std::string& warning : look.warnings)
+      opened.look_warnings.push_back(
+          opened.volumes.size() > 1 ? volume.channel.title() + ": " + warning : warning);
+    opened.transfers.push_back(std::move(look.transfer));
+  }
   // Names of channels are checked once it is known which channels there are.
   requireShown(request.look, opened.shown());
   // One camera shows all volumes, so that it is fitted to them together.
@@ -52,16 +57,29 @@ bool mustReadFinest(const OpenedPicture& picture, const FrameOptions& frame, Wor
   });
 }
 
-std::vector<std::string> idleOptions(const std::set<std::string>& given, const LookArguments& look,
-                                     const FrameOptions& frame, const CullingArguments& culling,
-                                     const MachineOptions& machine, const OpenedPicture& opened) {
+std::vector<std::string> optionWarnings(const std::set<std::string>& given,
+                                        const LookArguments& look, const FrameOptions& frame,
+                                        const CullingArguments& culling,
+                                        const MachineOptions& machine,
+                                        const OpenedPicture& opened) {
   PictureFacts facts = pictureFacts(look, frame, machine, opened.looks());
   facts.is_culled = culling.culling != Culling::kNone;
   // Plans and turns of the simulator draw no picture.
   facts.is_drawn = false;
   std::vector<std::string> lines = idleOptions(given, facts);
   for (std::string& line : lines) line = fmt::format("{}: {}", opened.volumes.front().name, line);
+  std::ranges::copy(opened.look_warnings, std::back_inserter(lines));
+  if (std::string note = addedNote(look, frame, opened.looks()); !note.empty())
+    lines.push_back(std::move(note));
   return lines;
+}
+
+std::vector<std::string> notesOf(const OpenedPicture& opened) {
+  std::vector<std::string> notes;
+  for (const IndexedVolume& volume : opened.volumes)
+    for (const std::string& note : volume.notes)
+      if (std::ranges::find(notes, note) == notes.end()) notes.push_back(note);
+  return notes;
 }
 
 }  // namespace sluice

@@ -16,6 +16,7 @@ struct OpenedPicture {
   std::vector<IndexedVolume> volumes;       // the channels'
   std::vector<TransferFunction> transfers;  // their looks
   std::vector<Camera> cameras;              // fitted to what all of them show
+  std::vector<std::string> look_warnings;   // one line each
 
   // They point into this, and stay right when it is moved.
   std::vector<LayerLook> looks() const;
@@ -38,10 +39,15 @@ OpenedPicture openPicture(PictureRequest request, FinestLevel finest, const Outp
 // Whether the pictures have to wait for the index of the finest level of a channel.
 bool mustReadFinest(const OpenedPicture& picture, const FrameOptions& frame, WorkerPool& pool);
 
-// The options that were given for nothing, a line each with the volume's name (idle_options.h).
-// Nothing is drawn, so that nothing is known of idle lights.
-std::vector<std::string> idleOptions(const std::set<std::string>& given, const LookArguments& look,
-                                     const FrameOptions& frame, const CullingArguments& culling,
-                                     const MachineOptions& machine, const OpenedPicture& opened);
+// The options that were given for nothing, a line each with the volume's name (idle_options.h), and
+// the warnings of the looks, with the addedNote(). Nothing is drawn, so that nothing is known of
+// idle lights.
+std::vector<std::string> optionWarnings(const std::set<std::string>& given,
+                                        const LookArguments& look, const FrameOptions& frame,
+                                        const CullingArguments& culling,
+                                        const MachineOptions& machine, const OpenedPicture& opened);
+
+// The notes of the volumes, each once.
+std::vector<std::string> notesOf(const OpenedPicture& opened);
 
 }  // namespace sluice

@@ -42,6 +42,7 @@ class Drawing {
   // See Renderer. These throw Interrupted when the Renderer throws Cancelled.
   void setLook(const LookOptions& look);
   const ChosenLook& look() const { return scene_.look; }
+  std::vector<std::string> lookWarnings() const { return scene_.lookWarnings(); }
   std::string lookText() const { return scene_.lookText(); }
   std::vector<std::string> idleOptions(const std::set<std::string>& given,
                                        const PictureOptions& picture, bool is_planned);

@@ -82,6 +82,7 @@ RenderReport Drawing::report(bool maps) const {
   report.step_vox = report_.step_vox;
   report.why_empty = why_empty_;
   report.empty_channels = empty_channels_;
+  report.why_added = scene_.why_added;
   report.white = report_.blocks.white;
   report.grey = report_.blocks.grey;
   report.black = report_.blocks.black;

@@ -50,6 +50,7 @@ struct ShownPicture {
   bool is_complete = false;  // of the pane's size, at the wished step, with nothing missing
   double missing_share = 0;  // see Image
   std::string why_empty;     // see RenderReport
+  std::string why_added;     // the same, in the words of the window
   // Levels of resolution in it, the finest first, see RenderReport; empty: the volume has one.
   std::vector<int> levels;
   bool will_improve = false;  // a better picture of this wish follows

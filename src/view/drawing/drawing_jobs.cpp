@@ -41,9 +41,8 @@ constexpr std::array kBoxes = std::to_array<std::pair<std::string_view, std::str
      {"--shadows", "\"shadows\""},
      {"--occlusion-light", "\"occlusion\""}});
 
-// An error's line in the words of the window; options without a check box keep their names.
-std::string lineInWindow(const std::exception& error) {
-  std::string line = lineInOptions(error);
+// A line in the words of the window; options without a check box keep their names.
+std::string lineInWindow(std::string line) {
   const auto isNamed = [&](const auto& box) { return line.find(box.first) != std::string::npos; };
   if (std::ranges::none_of(kBoxes, isNamed)) return line;
   return renamed(line, [](std::string_view option) {
@@ -75,7 +74,7 @@ void DrawingJobs::run(const Job& job) {
   } catch (const Cancelled&) {
     queue_.noteCancelled(job);
   } catch (const std::exception& error) {
-    tellFailure(lineInWindow(error));
+    tellFailure(lineInWindow(lineInOptions(error)));
     queue_.noteFailed(job);
   }
 }
@@ -142,6 +141,7 @@ ShownPicture DrawingJobs::draw(const Job& job, const PictureOptions& picture) {
   }
   RenderReport report = renderer.report();
   shown.why_empty = std::move(report.why_empty);
+  shown.why_added = lineInWindow(std::move(report.why_added));
   shown.levels = std::move(report.levels);
   shown.will_improve = report.will_improve;
   shown.is_refined = report.is_refined;

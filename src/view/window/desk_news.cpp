@@ -217,7 +217,11 @@ void takeNews(WindowState& window) {
   }
   if (window.status.frames_written != seen_frames)
     window.log.write({{"written", window.status.frames_written}, {"of", window.status.frames}});
-  if (news.picture) takePicture(window.shown, std::move(*news.picture));
+  if (news.picture) {
+    const std::string& why_added = news.picture->why_added;
+    if (!why_added.empty() && why_added != window.shown.picture.why_added) window.say(why_added);
+    takePicture(window.shown, std::move(*news.picture));
+  }
   for (ShownSlice& slice : news.slices) {
     SliceOnScreen& shown = window.slices[static_cast<size_t>(slice.axis)];
     shown.texture.set(slice.width, slice.height, slice.rgba);

@@ -67,41 +67,62 @@ FrameOptions frameOfChannel(const LayerLook& channel, const std::vector<LayerLoo
   return own;
 }
 
-std::optional<std::string> blendObstacle(const LookArguments& look, const FrameOptions& options,
-                                         const std::vector<const VolumeLayout*>& grids) {
+namespace {
+
+// Two volumes in a message. Channels of one file are told apart by their numbers.
+std::pair<std::string, std::string> twoNames(const VolumeLayout& a, const VolumeLayout& b) {
+  if (a.calledBy() != b.calledBy()) return {a.calledBy(), b.calledBy()};
+  return {fmt::format("channel {} of {}", a.channel, a.calledBy()),
+          fmt::format("channel {}", b.channel)};
+}
+
+}  // namespace
+
+std::optional<BlendObstacle> blendObstacle(const LookArguments& look, const FrameOptions& options,
+                                           const std::vector<const VolumeLayout*>& grids) {
   // A blended sample reads all channels at one place of one block.
   for (const VolumeLayout* grid : grids)
-    if (!isSameGrid(*grid, *grids.front()))
-      return fmt::format(
-          "--combine blend: {} is on another grid of voxels than {}; leave out --combine, which "
-          "adds their pictures",
-          grid->calledBy(), grids.front()->calledBy());
+    if (!isSameGrid(*grid, *grids.front())) {
+      const auto [other, first] = twoNames(*grid, *grids.front());
+      return BlendObstacle{
+          fmt::format("--combine blend: {} is on another grid of voxels than {}; leave out "
+                      "--combine, which adds their pictures",
+                      other, first)};
+    }
   if (!traitsOf(options.mode).has_colors)
-    return "--combine blend needs --mode composite, since other modes show one value a pixel";
-  if (!look.surfaces.empty()) return "--combine blend draws no surfaces; leave out --iso";
+    return BlendObstacle{
+        "--combine blend needs --mode composite, since other modes show one value a pixel; leave "
+        "out --combine, which adds the pictures of the channels"};
+  if (!look.surfaces.empty())
+    return BlendObstacle{"--combine blend draws no surfaces; leave out --iso", true};
   if (options.lighting.looksAround())
-    return "--combine blend knows no light that looks around; leave out --shadows and "
-           "--occlusion-light";
+    return BlendObstacle{
+        "--combine blend knows no light that looks around; leave out --shadows and "
+        "--occlusion-light",
+        true};
   if (options.occlusion != Occlusion::kOff || options.partition != Partition::kBlocks)
-    return "--combine blend draws whole blocks; leave out --occlusion and --partition";
+    return BlendObstacle{
+        "--combine blend draws whole blocks; leave out --occlusion and --partition", true};
   return std::nullopt;
 }
 
 namespace {
 
-std::optional<std::string> blendObstacle(const LookArguments& look, const FrameOptions& options,
-                                         const std::vector<LayerLook>& layers) {
+std::optional<BlendObstacle> blendObstacle(const LookArguments& look, const FrameOptions& options,
+                                           const std::vector<LayerLook>& layers) {
   std::vector<const VolumeLayout*> grids;
   grids.reserve(layers.size());
   for (const LayerLook& layer : layers) grids.push_back(&layer.volume->source->layout());
   if (auto obstacle = blendObstacle(look, options, grids)) return obstacle;
   const IndexedVolume& first = *layers.front().volume;
   for (const LayerLook& layer : layers)
-    if (!haveOneLayout(*layer.volume, first))
-      return fmt::format(
-          "--combine blend: {} is read in other blocks than {}; give both the same --block, and "
-          "levels of resolution to both or none",
-          layer.volume->name, first.name);
+    if (!haveOneLayout(*layer.volume, first)) {
+      const auto [other, one] = twoNames(layer.volume->source->layout(), first.source->layout());
+      return BlendObstacle{
+          fmt::format("--combine blend: {} is read in other blocks than {}; give both the same "
+                      "--block, and levels of resolution to both or none",
+                      other, one)};
+    }
   return std::nullopt;
 }
 
@@ -124,7 +145,7 @@ bool haveLevelAsked(const FrameOptions& options, const std::vector<LayerLook>& l
 void requireBlendable(const LookArguments& look, const FrameOptions& options,
                       const std::vector<LayerLook>& layers) {
   if (look.combine != Combine::kBlend || layers.size() < 2) return;
-  if (const auto obstacle = blendObstacle(look, options, layers)) failRequest("{}", *obstacle);
+  if (const auto obstacle = blendObstacle(look, options, layers)) failRequest("{}", obstacle->line);
 }
 
 Combine combineOf(const LookArguments& look, const FrameOptions& options,
@@ -140,20 +161,13 @@ std::string addedNote(const LookArguments& look, const FrameOptions& options,
                       const std::vector<LayerLook>& layers) {
   const bool are_two = layers.size() == 2 && layers.back().volume->channel.is_over;
   if (look.combine || !are_two || !traitsOf(options.mode).has_colors) return "";
+  // Obstacles that no option removes come first, but for blocks, which may differ because the
+  // volumes are added.
   const auto obstacle = blendObstacle(look, options, layers);
-  LookArguments plain_look = look;
-  plain_look.surfaces.clear();
-  FrameOptions plain = options;
-  plain.lighting = {};
-  plain.occlusion = Occlusion::kOff;
-  plain.partition = Partition::kBlocks;
-  // Their blocks may differ because they are added.
-  const std::vector<const VolumeLayout*> grids{&layers.front().volume->source->layout(),
-                                               &layers.back().volume->source->layout()};
-  if (!obstacle || blendObstacle(plain_look, plain, grids)) return "";
+  if (!obstacle || !obstacle->is_option) return "";
   return fmt::format(
       "the pictures of the two volumes are added, not blended: {}, or give --combine add",
-      *obstacle);
+      obstacle->line);
 }
 
 bool haveOneLayout(const IndexedVolume& a, const IndexedVolume& b) {
@@ -172,11 +186,13 @@ bool haveOneCut(const FrameOptions& options, const std::vector<LayerLook>& layer
     if (asked > 0) cut->is_default = false;  // the level is that of all
     draw_cuts &= drawsCut(volume.step(), cut, options.mode, *layer.transfer);
     in_common = std::min(in_common, levelsInCommon(levels, volume.step().layout()));
-    if (asked >= in_common)
+    if (asked >= in_common) {
+      const auto [other, one] = twoNames(volume.source->layout(), first.source->layout());
       failRequest(
           "--level {}: {} has no such level in common with {}; leave out --level, or --combine "
           "blend, which draws all channels at one level",
-          asked, volume.name, first.name);
+          asked, other, one);
+    }
   }
   return draw_cuts && in_common > 1;
 }

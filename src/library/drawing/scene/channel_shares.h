@@ -39,10 +39,16 @@ FrameOptions frameOfLayer(const IndexedVolume& volume, const TransferFunction& t
 FrameOptions frameOfChannel(const LayerLook& channel, const std::vector<LayerLook>& channels,
                             Combine combine, const FrameOptions& frame);
 
-// The reason why such frames of volumes on these grids cannot be blended, in one line; nullopt if
-// they can be, as far as these tell.
-std::optional<std::string> blendObstacle(const LookArguments& look, const FrameOptions& options,
-                                         const std::vector<const VolumeLayout*>& grids);
+// The reason why frames cannot be blended.
+struct BlendObstacle {
+  std::string line;
+  // Without an option for something else than how volumes are combined, they would be blended.
+  bool is_option = false;
+};
+// The obstacle to blending such frames of volumes on these grids; nullopt: none, as far as these
+// tell.
+std::optional<BlendObstacle> blendObstacle(const LookArguments& look, const FrameOptions& options,
+                                           const std::vector<const VolumeLayout*>& grids);
 // Throws Error if a look asks for blending and such frames of the volumes cannot be blended.
 void requireBlendable(const LookArguments& look, const FrameOptions& options,
                       const std::vector<LayerLook>& layers);

@@ -145,6 +145,7 @@ void Scene::setLook(const LookArguments& asked_look, const FrameOptions& frame) 
 
 void Scene::setCombining(const FrameOptions& frame) {
   combine = combineOf(asked, frame, looks());
+  why_added = addedNote(asked, frame, looks());
 }
 
 void Scene::setOptions(const FrameOptions& options) {

@@ -225,6 +225,7 @@ struct Scene : Layer {
   const uint64_t memory_bytes;        // of all layers
   LookArguments asked;                // the look of all layers
   Combine combine = Combine::kAdd;    // combineOf() the layers
+  std::string why_added;              // addedNote() of them
   std::string drawn_look;             // lookOf() the frames that are drawn, for whoever keeps it
   uint64_t peak_anonymous_bytes = 0;  // at the calls of noteMemory()
   CompositingReport composited;       // with several ranks: of the last frame, all layers

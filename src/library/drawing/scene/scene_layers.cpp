@@ -305,6 +305,7 @@ std::vector<std::string> Scene::lookWarnings() const {
   for (const Layer* layer : layers())
     for (const std::string& warning : layer->look.warnings)
       lines.push_back(more.empty() ? warning : layer->volume.channel.title() + ": " + warning);
+  if (!why_added.empty()) lines.push_back(why_added);
   return lines;
 }
 
