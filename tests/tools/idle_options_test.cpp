@@ -99,6 +99,18 @@ TEST_F(IdleOptions, areInReportsAlsoOfQuietRuns) {
   EXPECT_THAT(plan.output, HasSubstr("warning: --threshold 300: nothing shows"));
 }
 
+TEST_F(IdleOptions, ofSamplingAreWarningsOfPlansTurnsAndBenches) {
+  const std::string idle = "--quality changes nothing with a --step of more than 2 voxels";
+  for (const char* command : {"plan ", "simulate --frames 1 --policies lru ",
+                              "bench render --frames 1 ", "bench algorithms --frames 1 "}) {
+    SCOPED_TRACE(command);
+    const std::string line =
+        command + std::string(kSmall) + " --size 32 --quality normal --threshold 40 --step ";
+    EXPECT_THAT(program_.run(line + "3").output, HasSubstr(idle));
+    EXPECT_THAT(program_.run(line + "2").output, Not(HasSubstr("changes nothing")));
+  }
+}
+
 // Below a voxel, a step takes places between the planes of voxels.
 TEST_F(IdleOptions, smallStepsCountInModesOnPlanes) {
   for (const std::string mode : {"--mode mip", "--mode depth-mip"}) {

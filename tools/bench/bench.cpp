@@ -3,6 +3,8 @@
 #include <algorithm>
 
 #include "src/base/error.h"
+#include "src/library/drawing/scene/picture_facts.h"
+#include "tools/command_line/console.h"
 #include "tools/command_line/parse.h"
 
 namespace sluice {
@@ -20,6 +22,7 @@ FrameOptions plainFrame() {
 }
 
 AskedView addPictures(CLI::App& app, BenchArguments& arguments) {
+  arguments.app = &app;
   auto asked = std::make_shared<ViewState>();
   addVolumeOptions(app, arguments.volume);
   addLookOptions(app, asked, arguments.look, arguments.frame);
@@ -27,6 +30,12 @@ AskedView addPictures(CLI::App& app, BenchArguments& arguments) {
   addFrameOptions(app, asked, arguments.frame);
   addResourceOptions(app, arguments.resources);
   return asked;
+}
+
+void warnOfIdleQuality(const BenchArguments& bench, const Scene& scene, const FrameOptions& frame) {
+  if (bench.app->count("--quality") == 0) return;
+  for (const std::string& line : idleOptions({"--quality"}, pictureFacts(scene, frame)))
+    printWarning(fmt::format("{}: {}", scene.volume.name, line));
 }
 
 void addFrames(CLI::App& app, BenchArguments& bench, const char* which) {

@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "src/library/drawing/scene/scene.h"
 #include "tools/options/shared_options.h"
 
 namespace sluice {
@@ -24,7 +25,8 @@ struct BenchArguments {
   LookArguments look;      // the threshold of volumes that have none of their own
   FrameOptions frame;
   ResourceArguments resources;
-  int frames = 9;  // measured, after kWarmFrames
+  int frames = 9;                 // measured, after kWarmFrames
+  const CLI::App* app = nullptr;  // the command, once addPictures() has its options
 };
 
 // Frames that a bench draws before the first that it measures.
@@ -64,6 +66,9 @@ void addFrames(CLI::App& app, BenchArguments& arguments, const char* which);
 inline constexpr const char* kFramesOfEachWay =
     "Frames measured for each variant, after 2 warm ones";
 inline constexpr const char* kFrames = "Frames measured, after 2 warm ones";
+
+// Prints a warning if --quality was given for nothing in frames of the scene.
+void warnOfIdleQuality(const BenchArguments& bench, const Scene& scene, const FrameOptions& frame);
 
 // "bonsai.nii.gz@40" -> the file and 40; a file without one keeps `threshold`.
 std::pair<std::string, std::optional<double>> splitThreshold(const std::string& word,

@@ -169,12 +169,12 @@ int run(const PlanArguments& asked, const CLI::App& app) {
   if (must_read && !pass) opened = openPlanned(arguments, FinestLevel::kRead, outputs, pool);
   const std::vector<LayerLook> looks = opened.looks();
   const IndexedVolume& first = opened.volumes.front();
+  arguments.frame.camera = opened.cameras.front();
   const std::vector<std::string> warnings =
       optionWarnings(givenOptions(app), arguments.look, arguments.frame, arguments.culling,
                      arguments.resources, opened);
   if (!arguments.resources.quiet)
     for (const std::string& line : warnings) printWarning(line);
-  arguments.frame.camera = opened.cameras.front();
   if (looks.size() > 1 && arguments.culling.culling != Culling::kNone)
     fail("{}: --culling looks at one channel, {}", first.name,
          notOne(looks.size(), opened.volumes.back().channel));

@@ -53,8 +53,8 @@ class TurnedChannels {
   const IndexedVolume& volume(size_t channel) const { return picture_.volumes[channel]; }
   // A line for each option that was given for nothing.
   std::vector<std::string> idle() const {
-    return optionWarnings(arguments_.given, arguments_.look, arguments_.frame, {},
-                          arguments_.resources, picture_);
+    return optionWarnings(arguments_.given, arguments_.look, frameAt(0), {}, arguments_.resources,
+                          picture_);
   }
 
   // All sizes below are in pages that the user asks for. Caches of blended channels have room for

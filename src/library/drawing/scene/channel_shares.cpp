@@ -170,6 +170,18 @@ std::string addedNote(const LookArguments& look, const FrameOptions& options,
       obstacle->line);
 }
 
+bool integratesSamples(const FrameOptions& options, const LayerLook& layer) {
+  return options.integrates && traitsOf(options.mode).has_colors && !layer.transfer->labels &&
+         layer.transfer->surfaces.empty() &&
+         !drawsCut(layer.volume->step(), options.cut, options.mode, *layer.transfer) &&
+         hasIntegratedSteps(options, *layer.volume);
+}
+
+bool hasIntegratedSteps(const FrameOptions& options, const IndexedVolume& volume) {
+  const VolumeLayout& layout = volume.source->layout();
+  return stepsIntegrate(resolve(options, layout), layout);
+}
+
 bool haveOneLayout(const IndexedVolume& a, const IndexedVolume& b) {
   return a.layout.size == b.layout.size && a.layout.ghost == b.layout.ghost;
 }

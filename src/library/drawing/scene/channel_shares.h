@@ -60,6 +60,11 @@ Combine combineOf(const LookArguments& look, const FrameOptions& options,
 // empty: they are blended, or added anyway.
 std::string addedNote(const LookArguments& look, const FrameOptions& options,
                       const std::vector<LayerLook>& layers);
+// Whether frames of a volume that is not blended take all values between two samples: they are
+// asked to, and nothing stands against it.
+bool integratesSamples(const FrameOptions& options, const LayerLook& layer);
+// Whether its samples are near enough for that.
+bool hasIntegratedSteps(const FrameOptions& options, const IndexedVolume& volume);
 // Whether the volumes' finest levels are cut into blocks alike.
 bool haveOneLayout(const IndexedVolume& a, const IndexedVolume& b);
 // Whether the pictures of all volumes can be of one cut: each is drawn from one, and they have more

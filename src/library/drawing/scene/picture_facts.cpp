@@ -57,6 +57,8 @@ PictureFacts pictureFacts(const LookArguments& look, const FrameOptions& frame,
   addReplaced(look, layers, facts);
   facts.layers = layers.size();
   facts.is_blended = blends(combineOf(look, frame, layers), layers.size());
+  facts.integrates = !facts.is_blended && integratesSamples(frame, layers.front());
+  facts.has_long_steps = !hasIntegratedSteps(frame, *layers.front().volume);
   facts.time_steps = storedLayout(*layers.front().volume->source).time_steps;
   facts.levels = 1;
   for (const LayerLook& layer : layers)
@@ -67,8 +69,6 @@ PictureFacts pictureFacts(const LookArguments& look, const FrameOptions& frame,
 PictureFacts pictureFacts(const Scene& scene, const FrameOptions& frame) {
   PictureFacts facts = pictureFacts(scene.asked, frame, scene.machine, scene.looks());
   facts.is_lit = std::ranges::any_of(scene.layers(), [](const Layer* of) { return of->look.lit; });
-  facts.integrates = scene.integrates(frame);
-  facts.has_long_steps = !scene.stepsIntegrate(frame);
   return facts;
 }
 

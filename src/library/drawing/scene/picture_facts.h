@@ -14,7 +14,7 @@ namespace sluice {
 PictureFacts pictureFacts(const LookArguments& look, const FrameOptions& frame,
                           const MachineOptions& machine, const std::vector<LayerLook>& layers);
 
-// The same of a scene, with its light and its samples.
+// The same of a scene, with its light.
 PictureFacts pictureFacts(const Scene& scene, const FrameOptions& frame);
 
 }  // namespace sluice

@@ -211,15 +211,7 @@ std::string Scene::lookOf(const FrameOptions& options, const PictureOptions& pic
 }
 
 bool Scene::integrates(const FrameOptions& options) const {
-  return !blends() && options.integrates && traitsOf(options.mode).has_colors &&
-         !look.transfer.labels && look.transfer.surfaces.empty() &&
-         !drawsCut(volume.step(), options.cut, options.mode, look.transfer) &&
-         stepsIntegrate(options);
-}
-
-bool Scene::stepsIntegrate(const FrameOptions& options) const {
-  const VolumeLayout& layout = volume.source->layout();
-  return sluice::stepsIntegrate(resolve(options, layout), layout);
+  return !blends() && integratesSamples(options, {&volume, &look.transfer});
 }
 
 std::vector<PictureRows> Scene::stripsOf(const FrameOptions& frame) const {

@@ -147,8 +147,6 @@ struct Scene : Layer {
   std::string lookOf(const FrameOptions& options, const PictureOptions& picture) const;
   // Whether frames with these options are pre-integrated. Labels and cuts through levels never are.
   bool integrates(const FrameOptions& options) const;
-  // Whether their slices are close enough for that.
-  bool stepsIntegrate(const FrameOptions& options) const;
 
   // Pictures that are too large for their share of the memory are drawn strip by strip, from the
   // top down. Strips share the plan and the contents of the levels; a strip reads and draws the
