@@ -250,6 +250,36 @@ TEST(Paths, goAlongTheStepsOfASeries) {
   EXPECT_THAT(alone.output, HasSubstr("--path"));
 }
 
+// Pictures do not tell how they were drawn.
+TEST(ContinuedSeries, saysThatPicturesStayWhateverTheirOptions) {
+  const Program program;
+  const std::string render = std::string("render ") + kSeries + " --size 24 -o f_%d.png ";
+  EXPECT_THAT(program.run(render + "--time 0:1 --continue").output, Not(HasSubstr("as before")));
+  const std::string more = render + "--time 0:2 --continue --threshold 40 ";
+  EXPECT_THAT(program.run(more + "--report r.json").output,
+              HasSubstr("sluice: f_%d.png: 2 of 3 pictures are there and stay as before"));
+  fs::remove(program.folder / "f_2.png");
+  EXPECT_THAT(program.run(more + "--report r.json").output, Not(HasSubstr("as before")));
+  EXPECT_EQ(program.run(more + "-q").output, "");
+}
+
+// Frames of a saved path were kept if a file of their name was there.
+TEST(ContinuedSeries, framesOfASavedPathAreCheckedAsOtherPictures) {
+  const Program program;
+  std::ofstream(program.folder.path() / "view.json")
+      << R"({"sluice": "view", "path": {"kind": "turn", "frames": 2}})";
+  const std::string render =
+      std::string("render ") + kSmall + " --state view.json --continue -o f_%d.png --size ";
+  ASSERT_EQ(program.run(render + "24").status, 0);
+  const std::string whole = readFile(program.folder / "f_1.png");
+  std::ofstream(program.folder.path() / "f_1.png") << whole.substr(0, whole.size() / 2);
+  EXPECT_THAT(program.run(render + "24").output, HasSubstr("1 of 2 pictures is there"));
+  EXPECT_TRUE(readFile(program.folder / "f_1.png") == whole);
+  const CommandResult other = program.run(render + "25");
+  EXPECT_EQ(other.status, 1);
+  EXPECT_THAT(other.output, HasSubstr("f_0.png: 24 x 24 pixels, expected 25 x 25"));
+}
+
 // A run that was cut and one that goes on give the report of the whole.
 TEST(ContinuedSeries, reportsAllOfIt) {
   const Program program;

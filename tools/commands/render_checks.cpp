@@ -13,6 +13,7 @@
 #include "src/library/opening/shown_channels.h"
 #include "src/options/option_rules.h"
 #include "src/view/state/view_path.h"
+#include "tools/command_line/console.h"
 #include "tools/command_line/interrupt.h"
 #include "tools/command_line/usage.h"
 #include "tools/commands/debug_views.h"
@@ -31,11 +32,24 @@ bool isExr(const Arguments& arguments) {
   return pictureKind(arguments.output) == PictureKind::kExr;
 }
 
-// Whether an earlier run has left the picture of a frame. A picture appears whole or not at all,
-// but a power cut or a copy may leave a part of one. Throws Error for a picture of another size,
-// which is none of this series.
-bool isDrawn(const Arguments& arguments, int64_t frame) {
-  const std::filesystem::path path = frameName(arguments, frame);
+// The frames that are still to be drawn.
+std::vector<int64_t> framesToDraw(const Arguments& arguments) {
+  std::vector<int64_t> frames;
+  for (int64_t i = 0; i < frameCount(arguments); ++i)
+    if (!arguments.resume || !isDrawn(arguments, frameName(arguments, i))) frames.push_back(i);
+  return frames;
+}
+
+PictureArguments pictureOf(const Arguments& arguments) {
+  return {arguments.look, arguments.frame, arguments.culling, arguments.resources};
+}
+
+// At most one a level, and one more that the time ends.
+constexpr int64_t kMostPictures = 64;
+
+}  // namespace
+
+bool isDrawn(const Arguments& arguments, const std::filesystem::path& path) {
   const auto size = sizeOfWholePicture(path);
   // A picture of another program is left to the check of the outputs, which refuses it.
   if (!size || !mayReplace(path, isExr(arguments) ? FileKind::kExr : FileKind::kPng)) return false;
@@ -48,22 +62,14 @@ bool isDrawn(const Arguments& arguments, int64_t frame) {
   return true;
 }
 
-// The frames that are still to be drawn.
-std::vector<int64_t> framesToDraw(const Arguments& arguments) {
-  std::vector<int64_t> frames;
-  for (int64_t i = 0; i < frameCount(arguments); ++i)
-    if (!arguments.resume || !isDrawn(arguments, i)) frames.push_back(i);
-  return frames;
+void sayKept(const RenderArguments& arguments, int64_t kept, int64_t count) {
+  if (kept == 0 || arguments.resources.quiet) return;
+  printNotice(fmt::format(
+      "{}: {} of {} pictures {} there and {} as before, whatever options drew {}; with --report in "
+      "each run, other options have a warning",
+      arguments.output, kept, count, kept == 1 ? "is" : "are", kept == 1 ? "stays" : "stay",
+      kept == 1 ? "it" : "them"));
 }
-
-PictureArguments pictureOf(const Arguments& arguments) {
-  return {arguments.look, arguments.frame, arguments.culling, arguments.resources};
-}
-
-// At most one a level, and one more that the time ends.
-constexpr int64_t kMostPictures = 64;
-
-}  // namespace
 
 bool numbersPictures(const Arguments& arguments) {
   return arguments.progressive && isNumbered(arguments.output) && frameCount(arguments) == 1;

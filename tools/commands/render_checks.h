@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <optional>
 #include <set>
 #include <string>
@@ -19,6 +20,14 @@ namespace sluice {
 // The numbers of the frames that are still to be drawn; with ranks, those of the first rank, which
 // writes them. `team`: null for a single process.
 std::vector<int64_t> framesToDraw(const RenderArguments& arguments, Team* team);
+
+// Whether an earlier run has left this picture. A picture appears whole or not at all, but a power
+// cut or a copy may leave a part of one. Throws Error for a picture of another size, which is none
+// of this series.
+bool isDrawn(const RenderArguments& arguments, const std::filesystem::path& picture);
+// Prints, unless quiet, that so many of the pictures stay as an earlier run has drawn them, and
+// that nothing tells the options of that run.
+void sayKept(const RenderArguments& arguments, int64_t kept, int64_t count);
 
 // Whether the pictures of one frame that gets better are files of their own.
 bool numbersPictures(const RenderArguments& arguments);

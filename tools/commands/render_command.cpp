@@ -181,9 +181,14 @@ int run(Arguments& arguments, CLI::App& app, Team* team) {
   const std::vector<int64_t> to_draw = framesToDraw(arguments, team);
   const bool is_first = team == nullptr || team->isFirst();
   if (team != nullptr) shareMachine(*team, arguments.resources);
-  if (is_first && !arguments.resources.quiet &&
-      static_cast<int64_t>(to_draw.size()) < frameCount(arguments))
-    warnOfOtherOptions(arguments, app, earlierReport(arguments));
+  const int64_t kept = frameCount(arguments) - static_cast<int64_t>(to_draw.size());
+  if (is_first && kept > 0 && !arguments.resources.quiet) {
+    const nlohmann::json earlier = earlierReport(arguments);
+    if (earlier.is_object())
+      warnOfOtherOptions(arguments, app, earlier);
+    else
+      sayKept(arguments, kept, frameCount(arguments));
+  }
   if (to_draw.empty()) {
     sayAllAreThere(arguments, app);
     return 0;

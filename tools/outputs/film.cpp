@@ -24,6 +24,7 @@
 #include "tools/command_line/progress_line.h"
 #include "tools/command_line/usage.h"
 #include "tools/commands/commands.h"
+#include "tools/commands/render_checks.h"
 #include "tools/options/view_arguments.h"
 #include "tools/scene/empty_pictures.h"
 
@@ -138,7 +139,7 @@ void requireLooks(const SavedFilm& film, const ViewState& now, Renderer& rendere
 std::vector<int64_t> missingFrames(const RenderArguments& arguments, int64_t frames) {
   std::vector<int64_t> missing;
   for (int64_t i = 0; i < frames; ++i)
-    if (!arguments.resume || !std::filesystem::exists(numberedName(arguments.output, i, true)))
+    if (!arguments.resume || !isDrawn(arguments, numberedName(arguments.output, i, true)))
       missing.push_back(i);
   return missing;
 }
@@ -229,6 +230,7 @@ int writeFilm(const RenderArguments& arguments, const CLI::App& app, const Saved
     if (!is_quiet) say("all {} frames are there\n", count);
     return kDone;
   }
+  sayKept(arguments, count - static_cast<int64_t>(frames.size()), count);
   const IndexWish wish = indexWish(arguments.resources.index_dir);
   ViewedVolume viewed =
       viewedVolume(arguments.volume, arguments.resources, wish.disabled ? "" : wish.folder.string(),
