@@ -40,7 +40,9 @@ struct RenderReport {
   std::string why_added;
   uint64_t pages_loaded = 0;
 
-  uint64_t read_bytes = 0;  // level 1: taken from the volume's files, as they are stored
+  // Level 1: voxels taken from the volume's files, as they are stored, and metadata of stores, but
+  // no headers, and no pages that tell whether a file has changed.
+  uint64_t read_bytes = 0;
   LevelReport volume_buffer, texture_buffer, texture_cache;
   uint64_t pages = 0, page_bytes = 0;  // pages of the texture cache
 
