@@ -52,9 +52,10 @@ struct DicomHeader {
   bool is_planar = false;  // color by color
   int64_t bits_allocated = 0, bits_stored = 0, high_bit = 0;
   bool is_signed = false;
-  bool is_float = false;              // of bits_allocated bits
-  bool frames_are_times = false;      // of a movie
-  std::vector<double> plane_offsets;  // of the planes of a dose, in mm
+  std::optional<int64_t> padding, padding_limit;  // stored numbers around the image
+  bool is_float = false;                          // of bits_allocated bits
+  bool frames_are_times = false;                  // of a movie
+  std::vector<double> plane_offsets;              // of the planes of a dose, in mm
   std::optional<double> dose_scaling;
 
   DicomFunctions own, shared;

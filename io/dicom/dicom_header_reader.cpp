@@ -316,6 +316,12 @@ class HeaderReader {
       case 0x00280103:
         h.is_signed = elements_.number(e) != 0;
         return;
+      case 0x00280120:
+        h.padding = paddingOf(e);
+        return;
+      case 0x00280121:
+        h.padding_limit = paddingOf(e);
+        return;
       case 0x3004000C:
         h.plane_offsets = elements_.decimals(e);
         return;
@@ -324,6 +330,13 @@ class HeaderReader {
       default:
         return;
     }
+  }
+
+  // The type of pixels stands in front. Another length than 16 bits is passed over.
+  std::optional<int64_t> paddingOf(const DicomElement& e) {
+    if (e.length != 2) return std::nullopt;
+    const uint32_t number = elements_.number(e);
+    return header_.is_signed ? int64_t{static_cast<int16_t>(number)} : int64_t{number};
   }
 
   // A tag as a value: its two halves are numbers of their own.

@@ -43,6 +43,7 @@ class StackOrder {
     if (placed_[0].functions.position && !placed_[0].functions.pixel_spacing)
       note("its slices do not tell the size of their pixels, which are drawn 1 mm wide");
     setValues();
+    notePadding();
     checkedVolumeBytes(first_.path, layout_);
     return {std::move(layout_), framesInOrder(), linesInOrder()};
   }
@@ -300,6 +301,26 @@ class StackOrder {
     };
     layout_.type =
         std::all_of(placed_.begin(), placed_.end(), fits) ? VoxelType::kI16 : VoxelType::kF32;
+  }
+
+  // Pixels around the image of a round detector, for example.
+  void notePadding() {
+    const Placed& slice = placed_[0];
+    const DicomHeader& h = headerOf(slice);
+    if (!h.padding) return;
+    const auto value = [&](int64_t stored) {
+      return slice.line.slope * static_cast<double>(stored) + slice.line.intercept;
+    };
+    const bool is_range = h.padding_limit && *h.padding_limit != *h.padding;
+    const double at = value(*h.padding);
+    const std::string values =
+        is_range ? fmt::format("values {:g} to {:g}", std::min(at, value(*h.padding_limit)),
+                               std::max(at, value(*h.padding_limit)))
+                 : fmt::format("value {:g}", at);
+    note(
+        fmt::format("voxels of the {} stand for padding around the image (PixelPaddingValue); "
+                    "sluice draws them as values",
+                    values));
   }
 
   // Calls f for each slice of each time step.

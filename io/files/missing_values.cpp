@@ -63,4 +63,24 @@ std::string missingValuesNote(std::span<const double> missing, const VolumeLayou
       fmt::join(values, " or "), said_by);
 }
 
+std::string invalidValuesNote(std::optional<double> least, std::optional<double> greatest,
+                              const VolumeLayout& layout) {
+  std::vector<std::string> parts;
+  const auto add = [&](double stored, bool is_below) {
+    // A negative scale turns them round.
+    parts.push_back(fmt::format("{} {:g}", is_below == (layout.value_scale > 0) ? "below" : "above",
+                                stored * layout.value_scale + layout.value_offset));
+  };
+  visitVoxelType(layout.type, [&](auto tag) {
+    using Limits = std::numeric_limits<decltype(tag)>;
+    if (least && *least > static_cast<double>(Limits::lowest())) add(*least, true);
+    if (greatest && *greatest < static_cast<double>(Limits::max())) add(*greatest, false);
+  });
+  if (parts.empty()) return "";
+  return fmt::format(
+      "values {} are invalid by the file (valid_range, valid_min, valid_max); sluice draws them as "
+      "values",
+      fmt::join(parts, " or "));
+}
+
 }  // namespace sluice

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -22,5 +23,10 @@ void blank(VoxelType type, std::span<const double> numbers, std::span<std::byte>
 // `said_by`: where the file gives them.
 std::string missingValuesNote(std::span<const double> missing, const VolumeLayout& layout,
                               std::string_view said_by = "_FillValue, missing_value");
+
+// The same if stored numbers outside of these limits are no values by the file; empty if the limits
+// are those of the type.
+std::string invalidValuesNote(std::optional<double> least, std::optional<double> greatest,
+                              const VolumeLayout& layout);
 
 }  // namespace sluice

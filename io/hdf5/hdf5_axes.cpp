@@ -232,10 +232,23 @@ Hdf5Image hdf5ImageOf(const Hdf5Description& description, size_t axes, bool chan
   for (const char* key : {"_FillValue", "missing_value"})
     if (const Hdf5Attribute* const numbers = find(description.attributes, key))
       image.missing.insert(image.missing.end(), numbers->numbers.begin(), numbers->numbers.end());
-  if (found.is_unsigned)
-    for (double& number : image.missing)
-      if (number < 0)
-        number += std::ldexp(1, 8 * static_cast<int>(bytesPerVoxel(description.type)));
+  const auto limit = [&](const char* name, size_t of_range) -> std::optional<double> {
+    if (const Hdf5Attribute* const range = find(description.attributes, "valid_range");
+        range != nullptr && range->numbers.size() == 2)
+      return range->numbers[of_range];
+    const Hdf5Attribute* const one = find(description.attributes, name);
+    return one != nullptr && one->numbers.size() == 1 ? std::optional(one->numbers[0])
+                                                      : std::nullopt;
+  };
+  image.valid_least = limit("valid_min", 0);
+  image.valid_greatest = limit("valid_max", 1);
+  if (!found.is_unsigned) return found;
+  const auto makeUnsigned = [&](double& number) {
+    if (number < 0) number += std::ldexp(1, 8 * static_cast<int>(bytesPerVoxel(description.type)));
+  };
+  for (double& number : image.missing) makeUnsigned(number);
+  for (std::optional<double>* number : {&image.valid_least, &image.valid_greatest})
+    if (*number) makeUnsigned(**number);
   return found;
 }
 

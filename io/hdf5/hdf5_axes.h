@@ -4,7 +4,8 @@
 // Axes have their names from vigra's axistags, DIMENSION_LABELS or the scales (NetCDF's
 // dimensions). Spacing and origin come from element_size_um (z, y, x), or from the numbers of the
 // scales if their units agree. Source: the CF conventions for axis, units, scale_factor,
-// add_offset, _FillValue and missing_value; NetCDF for _Unsigned.
+// add_offset, _FillValue, missing_value, valid_range, valid_min and valid_max; NetCDF for
+// _Unsigned.
 #pragma once
 
 #include <string>

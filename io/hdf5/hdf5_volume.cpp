@@ -134,6 +134,10 @@ std::unique_ptr<VolumeSource> openHdf5(const std::string& path, const std::strin
     layout.notes = volume.notes;
     if (const std::string note = missingValuesNote(volume.image.missing, layout); !note.empty())
       layout.notes.push_back(name + ": " + note);
+    if (const std::string note =
+            invalidValuesNote(volume.image.valid_least, volume.image.valid_greatest, layout);
+        !note.empty())
+      layout.notes.push_back(name + ": " + note);
     chooseChannel(name, options.channel, {}, layout);
     std::string identity = fmt::format("{}|hdf5 {}|{}|channel {}", input.file->identity(), set_path,
                                        axesText(volume.image), layout.channel);

@@ -33,8 +33,9 @@ struct PictureFormat {
   std::vector<ReducedFormat> reduced;  // that each page has: levels 1, 2, ... of resolution
   // The most bytes that the picture holds while it is open and read: decoders, rows, a strip.
   uint64_t open_bytes = 0;
-  std::vector<std::string> notes;  // for VolumeLayout, without the file's name
-  std::vector<double> blanked;     // numbers that are read as NaN, see missing_values.h
+  std::vector<std::string> notes;            // for VolumeLayout, without the file's name
+  std::vector<double> blanked;               // numbers that are read as NaN, see missing_values.h
+  double value_scale = 1, value_offset = 0;  // value = stored * value_scale + value_offset
 
   static constexpr int64_t kMaxSide = 1'000'000;
 };

@@ -229,6 +229,8 @@ class SliceStack final : public VolumeSource,
       layout_.notes.push_back(fmt::format("{}: {}", first, note));
     for (const std::string& note : order.notes)
       layout_.notes.push_back(fmt::format("{}: {}", first, note));
+    layout_.value_scale = format_.value_scale;
+    layout_.value_offset = format_.value_offset;
     if (is_described_) {
       layout_.time_steps = order.frames;
       layout_.channels = order.channels;
@@ -306,6 +308,10 @@ class SliceStack final : public VolumeSource,
         fail("{}: {} x {} of {}, expected {} x {} of {} as in {}; all slices must agree",
              files_[i].string(), format.width, format.height, name(format.type), first.width,
              first.height, name(first.type), given);
+      if (format.value_scale != first.value_scale || format.value_offset != first.value_offset)
+        fail("{}: values are scaled by {} + {}, expected {} + {} as in {}; all slices must agree",
+             files_[i].string(), format.value_scale, format.value_offset, first.value_scale,
+             first.value_offset, given);
       // A level needs all slices.
       if (format.reduced != first.reduced) first.reduced.clear();
     }

@@ -107,6 +107,20 @@ series(listed("ct", ct, offset=-1024), ct, hounsfield)
 series(listed("implicit", ct, offset=-1024), ct, hounsfield, syntax=ImplicitVRLittleEndian)
 
 
+def padded(d, z):
+    hounsfield(d, z)
+    d.add_new("PixelPaddingValue", "SS", -2000)
+
+
+def padded_range(d, z):
+    padded(d, z)
+    d.add_new("PixelPaddingRangeLimit", "SS", -2100)
+
+
+series(listed("padded", ct, offset=-1024), ct, padded)
+series(listed("padded-range", ct, offset=-1024), ct, padded_range)
+
+
 def swapped(d, z):
     hounsfield(d, z)
     d.PixelData = ct[z].byteswap().tobytes()

@@ -156,5 +156,8 @@ seen[1] = np.nan
 says("masked.nc", "v", seen)
 grid("gaps.nc", [Z, Y, X], voxels_of(rng, "int16", (3, 4, 5)), _FillValue=np.int16(-32768), scale_factor=0.5, add_offset=1.0)
 signed = voxels_of(rng, "int8", (3, 4, 5))
+grid("valid.nc", [Z, Y, X], voxels_of(rng, "int16", (3, 4, 5)), valid_range=np.array([-10, 300], "i2"), scale_factor=0.5)
+grid("all-valid.nc", [Z, Y, X], voxels_of(rng, "uint8", (3, 4, 5)), valid_min=np.uint8(0), valid_max=np.uint8(255))
+grid("positive.nc", [Z, Y, X], voxels_of(rng, "float32", (3, 4, 5)), valid_min=np.float32(0), _FillValue=np.float32(-9))
 grid("unsigned.nc", [Z, Y, X], signed, _Unsigned="true", _FillValue=np.int8(-1))
 says("unsigned.nc", "v", signed.view("uint8"))

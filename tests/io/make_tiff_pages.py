@@ -117,6 +117,22 @@ one = voxels(1, 5, 1)
 tifffile.imwrite(case("shaped-one-axis", one, (1, 1, 1), "-"), one[0, :, 0], photometric="minisblack")
 
 
+# GDAL's scale and offset.
+def scaled(name, scale, pages=5, **options):
+    items = [("MEAN", "", "3"), ("OFFSET", ' role="offset"', "-10"), ("SCALE", ' role="scale"', scale), ("UNITS", ' role="unittype"', "K")]
+    text = "".join(f'<Item name="{name}" sample="0"{role}>{value}</Item>' for name, role, value in items)
+    text += '<Item name="SCALE" sample="1" role="scale">9</Item>'
+    tifffile.imwrite(os.path.join(root, name + ".tif"), voxels(1, pages, 1)[0, :, 0], metadata=None,
+                     extratags=[(42112, "s", 0, f"<GDALMetadata>{text}</GDALMetadata>", False)], **options)
+
+
+scaled("scaled", "0.5", photometric="minisblack")
+scaled("scaled-by-0", "0", photometric="minisblack")
+scaled("one-a", "0.5", 1, photometric="minisblack")
+scaled("one-b", "0.25", 1, photometric="minisblack")
+scaled("scaled-white", "0.5", photometric="miniswhite")
+
+
 # GDAL's sparse files: strips and tiles of 0 bytes at 0 are not stored.
 def sparse(name, kind, no_data=None, **options):
     v = rng.integers(1, 100, (3, 40, 50)).astype(kind)

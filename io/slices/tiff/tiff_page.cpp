@@ -1,26 +1,79 @@
 #include "io/slices/tiff/tiff_page.h"
 
 #include <algorithm>
+#include <cstring>
+#include <span>
+#include <string_view>
 
+#include "io/files/xml_scanner.h"
 #include "src/base/error.h"
 #include "src/base/files/number_text.h"
 
 namespace sluice {
 namespace {
 
-// The text of GDAL_NODATA as a number. libtiff knows the tag only as one that it has met.
+// A text of GDAL's, at most `longest` bytes of it; empty: none. libtiff knows the tag only as one
+// that it has met. Valid until the next page.
+std::string_view textOf(TIFF* tiff, uint32_t tag, size_t longest) {
+  uint32_t count = 0;
+  const void* text = nullptr;
+  const TIFFField* const field = TIFFFindField(tiff, tag, TIFF_ASCII);
+  if (field == nullptr || TIFFFieldPassCount(field) == 0 ||
+      TIFFGetField(tiff, tag, &count, &text) != 1 || text == nullptr)
+    return {};
+  const std::string_view all(static_cast<const char*>(text), std::min<size_t>(count, longest));
+  return all.substr(0, all.find('\0'));
+}
+
+// GDAL_NODATA as a number.
 std::optional<double> noDataOf(TIFF* tiff) {
   constexpr uint32_t kTag = 42113;
   constexpr size_t kLongest = 40;
-  uint32_t count = 0;
-  const void* text = nullptr;
-  const TIFFField* const field = TIFFFindField(tiff, kTag, TIFF_ASCII);
-  if (field == nullptr || TIFFFieldPassCount(field) == 0 ||
-      TIFFGetField(tiff, kTag, &count, &text) != 1 || text == nullptr)
-    return std::nullopt;
-  std::string_view word(static_cast<const char*>(text), std::min<size_t>(count, kLongest));
-  word = word.substr(0, word.find_first_of(std::string_view("\0 ", 2)));
-  return numberIn<double>(word);
+  const std::string_view word = textOf(tiff, kTag, kLongest);
+  return numberIn<double>(word.substr(0, word.find(' ')));
+}
+
+// The factor and the offset of the first sample in GDAL_METADATA:
+// <GDALMetadata><Item name="SCALE" sample="0" role="scale">0.5</Item>...
+void readScale(TIFF* tiff, TiffPage& page) {
+  constexpr uint32_t kTag = 42112;
+  constexpr size_t kLongest = 1 << 20;
+  const std::string_view text = textOf(tiff, kTag, kLongest);
+  if (text.find("<GDALMetadata") == text.npos) return;
+  double* number = nullptr;
+  std::string digits;
+  XmlHandlers handlers;
+  handlers.begin = [&](const XmlTag& tag) {
+    const std::string_view role = tag.find("role").value_or("");
+    number = nullptr;
+    digits.clear();
+    if (tag.name == "Item" && tag.find("sample").value_or("0") == "0")
+      number = role == "scale"    ? &page.value_scale
+               : role == "offset" ? &page.value_offset
+                                  : nullptr;
+    return true;
+  };
+  handlers.text = [&](std::string_view part) {
+    if (number != nullptr) digits += part;
+  };
+  handlers.end = [&](std::string_view, uint64_t) {
+    if (number != nullptr) *number = numberIn<double>(digits).value_or(*number);
+    number = nullptr;
+  };
+  try {
+    scanXml(
+        [&](uint64_t offset, std::span<std::byte> out) {
+          const std::string_view rest = text.substr(std::min<uint64_t>(offset, text.size()));
+          const size_t bytes = std::min(rest.size(), out.size());
+          std::memcpy(out.data(), rest.data(), bytes);
+          return bytes;
+        },
+        "", handlers);
+  } catch (const Error&) {
+    // Other programs' metadata, which need not be right for the picture to be.
+    page.value_scale = 1;
+    page.value_offset = 0;
+  }
 }
 
 }  // namespace
@@ -44,6 +97,7 @@ TiffPage tiffPageOf(TIFF* tiff) {
   p.fill_order = tiffField<uint16_t>(tiff, TIFFTAG_FILLORDER, FILLORDER_MSB2LSB);
   p.is_tiled = TIFFIsTiled(tiff) != 0;
   p.no_data = noDataOf(tiff);
+  readScale(tiff, p);
   return p;
 }
 

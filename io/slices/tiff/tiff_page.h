@@ -25,6 +25,8 @@ struct TiffPage {
   bool is_tiled = false;
   // The number that stands for no value (GDAL_NODATA).
   std::optional<double> no_data = {};
+  // value = stored * value_scale + value_offset, by the metadata of GDAL.
+  double value_scale = 1, value_offset = 0;
   uint64_t moved_bytes = 0;  // its voxels lie this far behind those that its table names
 
   bool hasColor() const {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <string>
 #include <utility>
 #include <vector>
@@ -186,6 +187,21 @@ class TiffPicture final : public SlicePicture {
     format_.blanked = blankedNumbers(format_.type, missingOf(p));
     VolumeLayout layout;
     layout.type = format_.type;
+    const bool is_scaled = p.value_scale != 1 || p.value_offset != 0;
+    constexpr double kMostValue = 1e30;
+    const double size = std::abs(p.value_scale);
+    const bool is_usable = size >= 1 / kMostValue && size <= kMostValue &&
+                           std::abs(p.value_offset) <= kMostValue &&
+                           p.photometric == PHOTOMETRIC_MINISBLACK;
+    if (is_scaled && is_usable) {
+      layout.value_scale = format_.value_scale = p.value_scale;
+      layout.value_offset = format_.value_offset = p.value_offset;
+    } else if (is_scaled) {
+      format_.notes.push_back(fmt::format(
+          "its values are drawn as stored, without the scale {:g} and the offset {:g} of its "
+          "metadata",
+          p.value_scale, p.value_offset));
+    }
     // Integers that are converted have other values.
     if (const std::string note = missingValuesNote(missingOf(p), layout, "GDAL_NODATA");
         !note.empty() && p.photometric == PHOTOMETRIC_MINISBLACK)

@@ -50,6 +50,14 @@ void parseCfAttributes(const JsonField& attributes, ZarrImage& image) {
     image.value_scale = scale[0];
   if (const auto offset = numbersOf(attributes, "add_offset"); offset.size() == 1)
     image.value_offset = offset[0];
+  const auto limit = [&](const char* key, size_t of_range) -> std::optional<double> {
+    if (const auto range = numbersOf(attributes, "valid_range"); range.size() == 2)
+      return range[of_range];
+    const auto numbers = numbersOf(attributes, key);
+    return numbers.size() == 1 ? std::optional(numbers[0]) : std::nullopt;
+  };
+  image.valid_least = limit("valid_min", 0);
+  image.valid_greatest = limit("valid_max", 1);
   for (const char* key : {"_FillValue", "missing_value"})
     for (const double number : numbersOf(attributes, key)) image.missing.push_back(number);
 }

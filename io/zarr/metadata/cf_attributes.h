@@ -1,5 +1,5 @@
 // Attributes of the CF conventions on an array by itself, as xarray writes them: the scaling of the
-// values, and the numbers that stand for missing ones.
+// values, the numbers that stand for missing ones, and the limits of valid ones.
 #pragma once
 
 #include "io/zarr/metadata/zarr_image.h"

@@ -56,7 +56,9 @@ struct ZarrImage {
   // value = stored * value_scale + value_offset: of an image under the key "sluice", of an array by
   // itself as scale_factor and add_offset.
   double value_scale = 1, value_offset = 0;
-  std::vector<double> missing;     // stored numbers that are no values
+  std::vector<double> missing;  // stored numbers that are no values
+  // Stored numbers beyond these are no values; unset: no limit.
+  std::optional<double> valid_least, valid_greatest;
   std::vector<std::string> notes;  // faults of the looks, in a few words each
   // Stored under the key "sluice".
   std::optional<std::array<Vec3d, 3>> directions;

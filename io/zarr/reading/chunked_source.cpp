@@ -50,6 +50,10 @@ ChunkedSource::ChunkedSource(const ChunkedVolume& volume, OpenedArray opened, si
     view_.layout.notes.insert(view_.layout.notes.end(), volume.notes.begin(), volume.notes.end());
     if (const std::string note = missingValuesNote(image.missing, view_.layout); !note.empty())
       view_.layout.notes.push_back(volume.name + ": " + note);
+    if (const std::string note =
+            invalidValuesNote(image.valid_least, image.valid_greatest, view_.layout);
+        !note.empty())
+      view_.layout.notes.push_back(volume.name + ": " + note);
     for (const std::string& note : image.notes)
       view_.layout.notes.push_back(fmt::format("{}: {}", volume.name, note));
     const auto described = static_cast<int64_t>(image.channels.size());

@@ -102,6 +102,9 @@ TEST_F(DicomSeries, sayWhatIsMissingOrTwiceThere) {
               ElementsAre(AllOf(HasSubstr("1 of its slices are there twice"), HasSubstr("Z003"))));
   EXPECT_THAT(notesOf("times"), ElementsAre(HasSubstr("3 slices, which are read as time steps")));
   EXPECT_THAT(notesOf("no-positions"), ElementsAre(HasSubstr("tell no positions")));
+  EXPECT_THAT(notesOf("padded"), ElementsAre(HasSubstr("of the value -3024 stand for padding")));
+  EXPECT_THAT(notesOf("padded-range"),
+              ElementsAre(HasSubstr("of the values -3124 to -3024 stand for padding")));
   EXPECT_THAT(notesOf("colors"), ElementsAre(HasSubstr("luminance")));
   EXPECT_THAT(notesOf("sizes"), ElementsAre(AllOf(HasSubstr("9 slices) of 2 is read"),
                                                   HasSubstr("(CT, 20 x 14, 1 slice)"))));
@@ -235,12 +238,13 @@ TEST(DicomSamples, ofManySeriesAreListed) {
   if (!fs::exists(sample(""))) GTEST_SKIP() << sample("") << " is missing";
   const auto source = openVolume(sample("dicomdirtests").string());
   EXPECT_EQ(source->layout().dims, (Vec3i{16, 16, 5}));
-  ASSERT_EQ(source->layout().notes.size(), 1U);
-  EXPECT_THAT(source->layout().notes[0],
-              AllOf(HasSubstr("series 5 (CT, 16 x 16, 5 slices)"), HasSubstr("2 (CT, 16 x 16, 4")));
+  EXPECT_THAT(source->layout().notes,
+              ElementsAre(AllOf(HasSubstr("series 5 (CT, 16 x 16, 5 slices)"),
+                                HasSubstr("2 (CT, 16 x 16, 4")),
+                          HasSubstr("PixelPaddingValue")));
   const auto gapped = openVolume(sample("dicomdirtests/77654033/CT2").string());
-  ASSERT_EQ(gapped->layout().notes.size(), 1U);
-  EXPECT_THAT(gapped->layout().notes[0], HasSubstr("161 slices are missing, 1.25"));
+  EXPECT_THAT(gapped->layout().notes, ElementsAre(HasSubstr("161 slices are missing, 1.25"),
+                                                  HasSubstr("PixelPaddingValue")));
 }
 
 }  // namespace

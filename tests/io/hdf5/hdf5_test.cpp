@@ -139,6 +139,14 @@ TEST_F(Hdf5, integersThatStandForMissingValuesAreWarnedOf) {
 }
 
 // A voxel of a set in one piece costs its own bytes, one of a chunk the chunk.
+TEST_F(Hdf5, valuesThatTheFileCallsInvalidAreWarnedOf) {
+  EXPECT_THAT(open("valid.nc")->layout().notes,
+              ElementsAre(HasSubstr("values below -5 or above 150 are invalid by the file")));
+  EXPECT_THAT(open("positive.nc")->layout().notes,
+              ElementsAre(HasSubstr("values below 0 are invalid by the file")));
+  EXPECT_THAT(open("all-valid.nc")->layout().notes, testing::IsEmpty());
+}
+
 TEST_F(Hdf5, onlyWhatIsNeededIsRead) {
   const auto flat = open("sets.h5:/flat_float64_little");
   const uint64_t before = flat->storedBytesRead();

@@ -65,6 +65,25 @@ TEST_F(TiffPages, aShapeWithoutAxesAndNoDataOfIntegersAreWarnedOf) {
                                          HasSubstr("(GDAL_NODATA)"))));
 }
 
+TEST_F(TiffPages, valuesAreScaledAsTheMetadataOfGdalSay) {
+  const VolumeLayout scaled = openVolume(pathOf("scaled.tif").string())->layout();
+  EXPECT_EQ(scaled.value_scale, 0.5);
+  EXPECT_EQ(scaled.value_offset, -10);
+  EXPECT_THAT(scaled.notes, testing::IsEmpty());
+  for (const auto& [name, said] : {std::pair("scaled-by-0.tif", "without the scale 0 and the"),
+                                   std::pair("scaled-white.tif", "without the scale 0.5 and")}) {
+    const VolumeLayout stored = openVolume(pathOf(name).string())->layout();
+    EXPECT_EQ(stored.value_scale, 1) << name;
+    EXPECT_EQ(stored.value_offset, 0) << name;
+    EXPECT_THAT(stored.notes, testing::ElementsAre(HasSubstr(said))) << name;
+  }
+  EXPECT_THAT(errorOf([] {
+                openVolume({pathOf("one-a.tif").string(), pathOf("one-b.tif").string()});
+              }),
+              AllOf(HasSubstr("one-b.tif: values are scaled by 0.25 + -10, expected 0.5 + -10"),
+                    HasSubstr("as in "), HasSubstr("one-a.tif")));
+}
+
 TEST_F(TiffPages, theFirstChannelIsReadWhereNoneIsChosenAndANoteSaysSo) {
   const auto source = openVolume(pathOf("ome-zct.tif").string());
   EXPECT_EQ(source->layout().channel, 0);

@@ -260,14 +260,15 @@ TEST(Zarr, conventionsOfAnArrayAreRead) {
     writeFile(array / ".zattrs", attributes);
   };
   write("<i2", R"({"_ARRAY_DIMENSIONS": ["a", "b", "x"], "scale_factor": 0.5, "add_offset": 10,
-                   "_FillValue": -999})");
+                   "_FillValue": -999, "valid_min": -40, "valid_max": 32767})");
   const ZarrSource integers(array);
   EXPECT_EQ(integers.layout().value_scale, 0.5);
   EXPECT_EQ(integers.layout().value_offset, 10);
   EXPECT_THAT(
       integers.layout().notes,
       testing::ElementsAre(testing::HasSubstr("s.zarr/x) are not read"),
-                           testing::HasSubstr("voxels of the value -489.5 stand for missing")));
+                           testing::HasSubstr("voxels of the value -489.5 stand for missing"),
+                           testing::HasSubstr("values below -10 are invalid by the file")));
   // Python: base64.b64encode(struct.pack("<d", -999)).
   for (const char* number : {"-999", "[-998, -999]", "\"AAAAAAA4j8A=\""}) {
     write("<f4", fmt::format(R"({{"_FillValue": {}}})", number));
