@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "src/base/error.h"
+#include "src/texture/transposed_copy.h"
 
 namespace sluice {
 namespace {
@@ -33,24 +34,32 @@ void copyTyped(const TextureBlock& block, const VolumeBlock& from, const T* voxe
   const auto axes = textureAxes(block.trimming_axis);
   const Vec3i texels = block.texels(), have = from.voxels.size();
   const Vec3i strides{1, have.x, have.x * have.y};
+  const Vec3i texel_stride{1, storage_vox.x, storage_vox.x * storage_vox.y};
+  const auto texelAt = [&](Vec3i texel) {
+    const Vec3i at = block.at + texel;
+    return at.x + at.y * texel_stride.y + at.z * texel_stride.z;
+  };
   // The nearest voxel that exists, relative to the volume block.
   const auto clamped = [&](int axis, int64_t texel) {
     return std::clamp(block.voxels.lo[axis] + texel, from.voxels.lo[axis],
                       from.voxels.hi[axis] - 1) -
            from.voxels.lo[axis];
   };
-  // Voxels `first` to `end` of a row are there. The others lie outside the volume and repeat the
-  // nearest one.
+  // Texels `first` to before `end` have voxels. The others lie outside the volume and repeat the
+  // nearest voxel.
+  Vec3i first, end;
+  for (int a = 0; a < 3; ++a) {
+    const int64_t lo = block.voxels.lo[axes[a]];
+    first[a] = std::clamp<int64_t>(from.voxels.lo[axes[a]] - lo, 0, texels[a]);
+    end[a] = std::clamp<int64_t>(from.voxels.hi[axes[a]] - lo, first[a], texels[a]);
+  }
+  // The texture axis along which voxels lie side by side: unless it is x, the texels between first
+  // and end are copied in planes.
+  const auto side = static_cast<int>(std::ranges::find(axes, 0) - axes.begin());
   const int along = axes[0];
-  const int64_t first =
-      std::clamp<int64_t>(from.voxels.lo[along] - block.voxels.lo[along], 0, texels.x);
-  const int64_t end =
-      std::clamp<int64_t>(from.voxels.hi[along] - block.voxels.lo[along], first, texels.x);
   for (int64_t z = 0; z < room.z; ++z)
     for (int64_t y = 0; y < room.y; ++y) {
-      const int64_t texel =
-          ((block.at.z + z) * storage_vox.y + block.at.y + y) * storage_vox.x + block.at.x;
-      T* const to = out + texel * kNumbers;
+      T* const to = out + texelAt({0, y, z}) * kNumbers;
       // The memory is recycled and its contents are arbitrary. A sample may give these texels a
       // weight of 0, for which they must be numbers.
       if (z >= texels.z || y >= texels.y) {
@@ -60,12 +69,26 @@ void copyTyped(const TextureBlock& block, const VolumeBlock& from, const T* voxe
       const T* line =
           voxels + clamped(axes[2], z) * strides[axes[2]] + clamped(axes[1], y) * strides[axes[1]];
       const auto at = [&](int64_t x) { return to + x * kNumbers; };
-      gather<kNumbers>(line + clamped(along, first) * strides[along], strides[along], at(first),
-                       end - first);
-      fill<kNumbers>(to, first, line[clamped(along, 0) * strides[along]]);
-      fill<kNumbers>(at(end), texels.x - end, line[clamped(along, texels.x - 1) * strides[along]]);
+      const int64_t beside = side == 1 ? y : z;
+      if (side == 0 || beside < first[side] || beside >= end[side])
+        gather<kNumbers>(line + clamped(along, first.x) * strides[along], strides[along],
+                         at(first.x), end.x - first.x);
+      fill<kNumbers>(to, first.x, line[clamped(along, 0) * strides[along]]);
+      fill<kNumbers>(at(end.x), texels.x - end.x,
+                     line[clamped(along, texels.x - 1) * strides[along]]);
       fill<kNumbers>(at(texels.x), room.x - texels.x, T{});
     }
+  if (side == 0) return;
+  const int other = 3 - side;
+  const int64_t voxel = clamped(0, first[side]);
+  Vec3i texel = first;
+  for (texel[other] = 0; texel[other] < texels[other]; ++texel[other]) {
+    const T* const in = voxels + clamped(axes[other], texel[other]) * strides[axes[other]] +
+                        clamped(along, first.x) * strides[along] + voxel;
+    transposedCopy<kNumbers>(TransposedPlane<T>{in, strides[along], voxel, have.x - voxel},
+                             end.x - first.x, end[side] - first[side],
+                             texel_stride[side] * kNumbers, out + texelAt(texel) * kNumbers);
+  }
 }
 
 }  // namespace

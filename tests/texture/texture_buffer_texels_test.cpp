@@ -58,6 +58,37 @@ TEST(TextureBuffer, eachTexelIsTheVoxelItStandsFor) {
   for (const int count : axes_seen) EXPECT_GT(count, 50);
 }
 
+// Their voxels are copied in squares if the trimming axis is not z.
+TEST(TextureBuffer, eachTexelOfBlocksOf32IsTheVoxelItStandsFor) {
+  const JunkInNewMemory junk;
+  std::mt19937_64 random(2);
+  std::array<int, 3> axes_seen{};
+  const Vec3i dims{107, 75, 90};
+  for (const VoxelType type : {VoxelType::kU8, VoxelType::kI16, VoxelType::kF32})
+    for (const int ghost : {0, 1}) {
+      const auto source = makeWhiteNoise(dims, type, 3);
+      const BlockLayout layout = blockLayout(dims, 32, ghost);
+      const auto device_size =
+          static_cast<int64_t>(bytesPerVoxel(deviceMap(source->layout()).type));
+      const PageGeometry page{{40, 8, 2}, device_size, 512};
+      const TexturePlan plan = planTextures(layout, randomVisibleBlocks(layout, 0.8, random), page,
+                                            planOptions(layout, Algorithm::kMerged));
+      for (const TextureBlock& block : plan.blocks)
+        ++axes_seen[static_cast<size_t>(block.trimming_axis)];
+      WorkerPool pool(2);
+      VolumeBuffer blocks(*source, layout, 8 << 20);
+      TextureBuffer buffer(blocks, pool, 64 << 20);
+      ChunkNames names;
+      const std::vector<ChunkPosition> chunks = allChunks(plan);
+      const auto texels = buffer.acquire(plan, names.namesOf(plan), chunks);
+      for (size_t i = 0; i < chunks.size(); ++i) {
+        expectTexels(plan, chunks[i], *texels[i], *source);
+        if (HasFatalFailure()) FAIL() << name(type) << ' ' << ghost;
+      }
+    }
+  for (const int count : axes_seen) EXPECT_GT(count, 10);
+}
+
 TEST(TextureBuffer, smallVolumesArePaddedByTheirBorder) {
   // A single block of 8 over a volume of 3 x 2 x 5 voxels.
   const auto source = makeWhiteNoise({3, 2, 5}, VoxelType::kU16, 3);
