@@ -8,7 +8,6 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cmath>
 #include <cstddef>
@@ -30,44 +29,49 @@ struct PackedEntries {
   std::vector<int64_t> entries;
 };
 
-// Requires: 0 <= share <= 1.
-inline uint16_t packed(double share) {
-  const auto small = static_cast<float>(share * 0x1p-112);
-  return static_cast<uint16_t>((std::bit_cast<uint32_t>(small) + (1U << (kPackedShift - 1))) >>
-                               kPackedShift);
-}
-
 // Packs rgba entries, whose opacities all have one sign. Opacities beyond `most_opacity` are
 // clamped to it.
 inline PackedEntries packedEntries(std::span<const float> rgba, double most_opacity) {
   static_assert(std::endian::native == std::endian::little);
   PackedEntries result;
   result.entries.resize(rgba.size() / 4);
-  // The loops take the four numbers of an entry alike, so that they can be vectorized.
   inWideVectors([&result, rgba, most_opacity] {
-    std::array<float, 4> most{}, least{};
-    for (size_t i = 0; i < rgba.size(); i += 4)
-      for (size_t c = 0; c < 4; ++c) {
-        most[c] = std::max(most[c], rgba[i + c]);
-        least[c] = std::min(least[c], rgba[i + c]);
-      }
-    for (size_t c = 0; c < 4; ++c) most[c] = std::max(most[c], -least[c]);
+    // The four numbers of an entry.
+    using Floats [[gnu::vector_size(16)]] = float;
+    using Doubles [[gnu::vector_size(32)]] = double;
+    using Bits [[gnu::vector_size(16)]] = uint32_t;
+    using Packed [[gnu::vector_size(8)]] = uint16_t;
+    const auto entryAt = [rgba](size_t i) {
+      Floats entry;
+      std::memcpy(&entry, &rgba[i], sizeof entry);
+      return entry;
+    };
+    Floats most{}, least{};
+    for (size_t i = 0; i < rgba.size(); i += 4) {
+      const Floats entry = entryAt(i);
+      most = entry > most ? entry : most;
+      least = entry < least ? entry : least;
+    }
+    most = -least > most ? -least : most;
     const double color = std::max({most[0], most[1], most[2]});
     const double opacity = std::min(double{most[3]}, most_opacity);
     result.color_unit = static_cast<float>(std::ldexp(color, 112));
     result.opacity_unit = static_cast<float>(std::ldexp(least[3] < 0 ? -opacity : opacity, 112));
     // Where the greatest is 0, all are.
     const double color_divisor = color > 0 ? color : 1, opacity_divisor = opacity > 0 ? opacity : 1;
-    const std::array<double, 4> divisor{color_divisor, color_divisor, color_divisor,
-                                        opacity_divisor};
+    const Doubles divisor{color_divisor, color_divisor, color_divisor, opacity_divisor};
+    const Doubles one{1, 1, 1, 1};
     auto* const out = reinterpret_cast<std::byte*>(result.entries.data());
     for (size_t i = 0; i < rgba.size(); i += 4) {
-      std::array<uint16_t, 4> shares;
-      for (size_t c = 0; c < 4; ++c) {
-        const double share = std::abs(double{rgba[i + c]}) / divisor[c];
-        shares[c] = packed(share > 1 ? 1 : share);
-      }
-      std::memcpy(out + 2 * i, shares.data(), sizeof shares);
+      Doubles share = __builtin_convertvector(entryAt(i), Doubles);
+      share = (share < 0 ? -share : share) / divisor;
+      share = share > 1 ? one : share;
+      const Floats small = __builtin_convertvector(share * 0x1p-112, Floats);
+      Bits bits;
+      std::memcpy(&bits, &small, sizeof bits);
+      bits = (bits + (1U << (kPackedShift - 1))) >> kPackedShift;
+      const Packed packed = __builtin_convertvector(bits, Packed);
+      std::memcpy(out + 2 * i, &packed, sizeof packed);
     }
   });
   return result;
