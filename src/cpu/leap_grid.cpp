@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <numeric>
 #include <span>
 #include <type_traits>
 
@@ -25,17 +27,21 @@ struct Range {
 template <class T>
 constexpr Range<T> kNothing{std::numeric_limits<T>::max(), std::numeric_limits<T>::lowest()};
 
-// Takes `count` texels into as many ranges.
+// A vector of texels. GCC takes no vectors of a type that a template leaves open.
 template <class T>
-void widen(const T* texels, T* lo, T* hi, int64_t count) {
-  for (int64_t i = 0; i < count; ++i) {
-    T least = texels[i];
-    // Texels that are no number show nothing: they must not widen the range downwards.
-    if constexpr (std::is_same_v<T, float>) least = least < kNoNumber ? kNothing<T>.lo : least;
-    lo[i] = std::min(lo[i], least);
-    hi[i] = std::max(hi[i], texels[i]);
-  }
-}
+struct Vector;
+template <>
+struct Vector<uint8_t> {
+  using Texels [[gnu::vector_size(32)]] = uint8_t;
+};
+template <>
+struct Vector<uint16_t> {
+  using Texels [[gnu::vector_size(32)]] = uint16_t;
+};
+template <>
+struct Vector<float> {
+  using Texels [[gnu::vector_size(32)]] = float;
+};
 
 // The least and the greatest means of texels with spreads, and the greatest spread.
 template <class T>
@@ -83,49 +89,99 @@ Range<T> shownBy(const SpreadBounds<T>& bounds, const ExpectedLook& expected) {
   return {std::min(lower.lo, upper.lo), std::max(lower.hi, upper.hi)};
 }
 
-// Goes over the bricks: `begin()` before each row of them along x, `take(first texel of a row)` for
-// each row of texels in it, and `finish(first, end)` for the columns of texels of each brick, and
-// of `margin` more on every side.
-void eachBrick(const ChunkTexels& chunk, Vec3i bricks, int64_t margin, const auto& begin,
-               const auto& take, const auto& finish) {
-  const Vec3i storage = chunk.storage_vox;
-  const auto firstOf = [margin](int64_t brick) {
-    return std::max<int64_t>(brick * kBrickSide - margin, 0);
-  };
-  // One texel more than cells: neighbouring bricks share a plane.
-  const auto endOf = [margin](int64_t brick, int64_t texels) {
-    return std::min((brick + 1) * kBrickSide + 1 + margin, texels);
-  };
-  for (int64_t bz = 0; bz < bricks.z; ++bz)
-    for (int64_t by = 0; by < bricks.y; ++by) {
-      begin();
-      for (int64_t z = firstOf(bz); z < endOf(bz, storage.z); ++z)
-        for (int64_t y = firstOf(by); y < endOf(by, storage.y); ++y)
-          take((z * storage.y + y) * storage.x);
-      for (int64_t bx = 0; bx < bricks.x; ++bx)
-        finish(static_cast<size_t>(firstOf(bx)), static_cast<size_t>(endOf(bx, storage.x)));
+// The texels of brick `at` along an axis of so many texels, and `margin` more on both sides.
+struct BrickSpan {
+  BrickSpan(int64_t at, int64_t texels, int64_t margin)
+      : lo(std::max<int64_t>(at * kBrickSide - margin, 0)),
+        // One texel more than cells: neighbouring bricks share a plane.
+        hi(std::min((at + 1) * kBrickSide + 1 + margin, texels)) {}
+  int64_t lo, hi;
+};
+
+// Calls `body` with the texels along y and z of each row of bricks along x.
+void eachRowOfBricks(const ChunkTexels& chunk, Vec3i bricks, int64_t margin, const auto& body) {
+  for (int64_t z = 0; z < bricks.z; ++z)
+    for (int64_t y = 0; y < bricks.y; ++y)
+      body(BrickSpan(y, chunk.storage_vox.y, margin), BrickSpan(z, chunk.storage_vox.z, margin));
+}
+
+// The least and the greatest texels of the columns of a row of bricks. Before and behind lie
+// columns of nothing, so that windows of columns may reach beyond the chunk.
+template <class T>
+struct ColumnRanges {
+  static constexpr size_t kBeside = 8;
+  explicit ColumnRanges(int64_t columns)
+      : lo(static_cast<size_t>(columns) + 2 * kBeside), hi(lo.size()) {}
+  std::vector<T> lo, hi;
+};
+
+// Sets the columns, as many at once as a `Texels` has numbers. Requires: the chunk has so many.
+template <class Texels, class T>
+void setColumns(const T* texels, Vec3i storage, BrickSpan y_span, BrickSpan z_span,
+                ColumnRanges<T>& ranges) {
+  Texels most{}, least{};
+  most += kNothing<T>.lo;
+  least += kNothing<T>.hi;
+  constexpr auto kAtOnce = static_cast<int64_t>(sizeof(Texels) / sizeof(T));
+  for (int64_t x = 0; x < storage.x; x += kAtOnce) {
+    // The last columns are taken twice rather than fewer at once.
+    const int64_t first = std::min(x, storage.x - kAtOnce);
+    Texels lo = most, hi = least;
+    for (int64_t z = z_span.lo; z < z_span.hi; ++z)
+      for (int64_t y = y_span.lo; y < y_span.hi; ++y) {
+        Texels row;
+        std::memcpy(&row, texels + (z * storage.y + y) * storage.x + first, sizeof row);
+        hi = row > hi ? row : hi;
+        // Texels that are no number show nothing: they must not widen the range downwards.
+        if constexpr (std::is_same_v<T, float>) row = row < kNoNumber ? most : row;
+        lo = row < lo ? row : lo;
+      }
+    const size_t at = ranges.kBeside + static_cast<size_t>(first);
+    std::memcpy(&ranges.lo[at], &lo, sizeof lo);
+    std::memcpy(&ranges.hi[at], &hi, sizeof hi);
+  }
+}
+
+// Makes each column the range of itself and the three behind it.
+template <class T>
+void takeFours(ColumnRanges<T>& ranges) {
+  const size_t columns = ranges.lo.size();
+  T *const lo = ranges.lo.data(), *const hi = ranges.hi.data();
+  for (const size_t beside : {size_t{1}, size_t{2}})
+    for (size_t x = 0; x + beside < columns; ++x) {
+      lo[x] = std::min(lo[x], lo[x + beside]);
+      hi[x] = std::max(hi[x], hi[x + beside]);
     }
 }
 
 template <class T>
 void setRanges(const ChunkTexels& chunk, int64_t margin, LeapGrid& grid) {
+  using Texels = Vector<T>::Texels;
   const auto* texels = reinterpret_cast<const T*>(chunk.bytes.get());
-  const int64_t columns = chunk.storage_vox.x;
-  std::vector<T> lo(static_cast<size_t>(columns)), hi(lo.size());
+  const Vec3i storage = chunk.storage_vox;
+  ColumnRanges<T> ranges(storage.x);
+  constexpr size_t kBeside = ranges.kBeside;
+  // Two windows of four columns, which overlap, are those of a brick.
+  SLUICE_CHECK_LE(margin, 1);
+  const auto second = static_cast<size_t>(1 + 2 * margin);
   auto* out = reinterpret_cast<Range<T>*>(grid.ranges.data());
-  eachBrick(
-      chunk, grid.bricks, margin,
-      [&] {
-        std::ranges::fill(lo, kNothing<T>.lo);
-        std::ranges::fill(hi, kNothing<T>.hi);
-      },
-      [&](int64_t row) { widen(texels + row, lo.data(), hi.data(), columns); },
-      [&](size_t first, size_t end) {
-        Range<T> range = kNothing<T>;
-        for (size_t x = first; x < end; ++x)
-          range = {std::min(range.lo, lo[x]), std::max(range.hi, hi[x])};
-        *out++ = range;
-      });
+  eachRowOfBricks(chunk, grid.bricks, margin, [&](BrickSpan y, BrickSpan z) {
+    for (auto* columns : {&ranges.lo, &ranges.hi}) {
+      const T nothing = columns == &ranges.lo ? kNothing<T>.lo : kNothing<T>.hi;
+      std::fill_n(columns->begin(), kBeside, nothing);
+      std::fill_n(columns->end() - kBeside, kBeside, nothing);
+    }
+    if (storage.x * sizeof(T) >= sizeof(Texels))
+      setColumns<Texels>(texels, storage, y, z, ranges);
+    else
+      setColumns<T>(texels, storage, y, z, ranges);
+    takeFours(ranges);
+    for (int64_t x = 0; x < grid.bricks.x; ++x) {
+      const size_t at = kBeside + static_cast<size_t>(x * kBrickSide - margin);
+      *out++ = {std::min(ranges.lo[at], ranges.lo[at + second]),
+                std::max(ranges.hi[at], ranges.hi[at + second])};
+    }
+  });
 }
 
 // `expected`: null if the means or labels alone count.
@@ -136,19 +192,22 @@ void setRangesOfSpreads(const ChunkTexels& chunk, const ExpectedLook* expected, 
   const int64_t columns = chunk.storage_vox.x;
   std::vector<SpreadBounds<T>> bounds(static_cast<size_t>(columns));
   auto* out = reinterpret_cast<Range<T>*>(grid.ranges.data());
-  eachBrick(
-      chunk, grid.bricks, margin, [&] { std::ranges::fill(bounds, SpreadBounds<T>()); },
-      [&](int64_t row) { widenBySpread(texels + 2 * row, bounds.data(), columns); },
-      [&](size_t first, size_t end) {
-        SpreadBounds<T> all;
-        for (size_t x = first; x < end; ++x) {
-          const SpreadBounds<T>& more = bounds[x];
-          all.means = {std::min(all.means.lo, more.means.lo),
-                       std::max(all.means.hi, more.means.hi)};
-          all.spread = std::max(all.spread, more.spread);
-        }
-        *out++ = expected == nullptr ? all.means : shownBy(all, *expected);
-      });
+  eachRowOfBricks(chunk, grid.bricks, margin, [&](BrickSpan y_span, BrickSpan z_span) {
+    std::ranges::fill(bounds, SpreadBounds<T>());
+    for (int64_t z = z_span.lo; z < z_span.hi; ++z)
+      for (int64_t y = y_span.lo; y < y_span.hi; ++y)
+        widenBySpread(texels + 2 * (z * chunk.storage_vox.y + y) * columns, bounds.data(), columns);
+    for (int64_t brick = 0; brick < grid.bricks.x; ++brick) {
+      SpreadBounds<T> all;
+      const BrickSpan x_span(brick, columns, margin);
+      for (int64_t x = x_span.lo; x < x_span.hi; ++x) {
+        const SpreadBounds<T>& more = bounds[static_cast<size_t>(x)];
+        all.means = {std::min(all.means.lo, more.means.lo), std::max(all.means.hi, more.means.hi)};
+        all.spread = std::max(all.spread, more.spread);
+      }
+      *out++ = expected == nullptr ? all.means : shownBy(all, *expected);
+    }
+  });
 }
 
 // Sets 1 where something may show, otherwise 0.
@@ -181,8 +240,25 @@ struct BrickBits {
   size_t size() const { return words.size() - 2 * margin; }
   uint64_t* begin() { return words.data() + margin; }
   const uint64_t* begin() const { return words.data() + margin; }
-  uint8_t byte(size_t i) const { return static_cast<uint8_t>(begin()[i / 8] >> (8 * (i % 8))); }
+  size_t count() const {
+    return std::accumulate(words.begin(), words.end(), size_t{0}, [](size_t count, uint64_t word) {
+      return count + static_cast<size_t>(std::popcount(word));
+    });
+  }
 };
+
+// The bits of marks, which are 0 or 1, in whole eights.
+BrickBits bitsOf(std::span<const uint8_t> marks, size_t margin) {
+  BrickBits bits(marks.size(), margin);
+  constexpr uint64_t kBitsOfBytes = 0x0102040810204080;
+  for (size_t i = 0; i < marks.size() / 8; ++i) {
+    uint64_t bytes;
+    std::memcpy(&bytes, &marks[8 * i], sizeof bytes);
+    // The product moves bit 0 of each byte into the upper one.
+    bits.begin()[i / 8] |= (bytes * kBitsOfBytes >> 56) << (8 * (i % 8));
+  }
+  return bits;
+}
 
 // The bits of bricks that are not the first ones of their line along an axis, lines of `count`
 // bricks at distances of `stride`.
@@ -221,35 +297,40 @@ constexpr std::array<uint64_t, 256> kBytesOfBits = [] {
   return bytes;
 }();
 
-// Turns the marks of bricks that show, in whole eights, into the distances to them.
-void spreadMarks(Vec3i size, std::span<uint8_t> marks) {
+// Sets the distances, in whole eights, of bricks to those that `bits` mark. `bits` has words enough
+// on both sides for shifts by a plane of bricks.
+void setDistancesTo(BrickBits bits, Vec3i size, std::span<uint8_t> distances) {
   const auto x = static_cast<size_t>(size.x), y = static_cast<size_t>(size.y);
   const auto bricks = static_cast<size_t>(volume(size));
-  // Shifts by whole planes read this far beyond both ends.
-  const size_t margin = x * y / 64 + 2;
-  BrickBits bits(bricks, margin), other = bits;
-  constexpr uint64_t kBitsOfBytes = 0x0102040810204080;
-  const auto eights = marks.size() / 8;
-  for (size_t i = 0; i < eights; ++i) {
-    uint64_t bytes;
-    std::memcpy(&bytes, &marks[8 * i], sizeof bytes);
-    // The product moves bit 0 of each byte into the upper one.
-    bits.begin()[i / 8] |= (bytes * kBitsOfBytes >> 56) << (8 * (i % 8));
-  }
+  const size_t margin = bits.margin, words = bits.size();
+  BrickBits other = bits;
   const BrickBits inner_x = notFirst(bricks, margin, x, 1),
                   inner_y = notFirst(bricks, margin, y, x);
   const BrickBits inner_z = notFirst(bricks, margin, static_cast<size_t>(size.z), x * y);
-  // A brick loses one for each round in which it is marked: those marked at first reach 0.
-  std::vector<uint64_t> distances(eights, kMostDistance * uint64_t{0x0101010101010101});
+  // A distance is the number of rounds in which a brick is not marked: a number of three bits.
+  static_assert(kMostDistance < 8);
+  std::vector<uint64_t> ones(words), twos(words), fours(words);
   for (int distance = 0; distance < kMostDistance; ++distance) {
-    for (size_t i = 0; i < eights; ++i) distances[i] -= kBytesOfBits[bits.byte(i)];
+    const uint64_t* const marked = bits.begin();
+    for (size_t i = 0; i < words; ++i) {
+      const uint64_t one = ~marked[i], two = ones[i] & one;
+      ones[i] ^= one;
+      fours[i] ^= twos[i] & two;
+      twos[i] ^= two;
+    }
     // One axis after the other: a brick spreads to all 26 neighbours in a round.
     spread(bits, inner_x, 1, other);
     spread(other, inner_y, x, bits);
     spread(bits, inner_z, x * y, other);
     std::swap(bits, other);
   }
-  std::memcpy(marks.data(), distances.data(), marks.size());
+  for (size_t i = 0; i < distances.size() / 8; ++i) {
+    const auto bytesOf = [i](const std::vector<uint64_t>& bits) {
+      return kBytesOfBits[bits[i / 8] >> (8 * (i % 8)) & 0xFF];
+    };
+    const uint64_t bytes = bytesOf(ones) + 2 * bytesOf(twos) + 4 * bytesOf(fours);
+    std::memcpy(&distances[8 * i], &bytes, sizeof bytes);
+  }
 }
 
 }  // namespace
@@ -287,9 +368,11 @@ void setDistances(LeapGrid& grid, DeviceType type, const ShownValues& shown) {
       markShown(reinterpret_cast<const Range<T>*>(grid.ranges.data()), ShownVoxels<T>(shown),
                 marks.first(bricks));
     });
-    const auto count = std::count(marks.begin(), marks.end(), uint8_t{1});
-    grid.shown_share = static_cast<double>(count) / static_cast<double>(bricks);
-    spreadMarks(grid.bricks, marks);
+    // Shifts by whole planes read this far beyond both ends.
+    const auto margin = static_cast<size_t>(grid.bricks.x * grid.bricks.y) / 64 + 2;
+    const BrickBits bits = bitsOf(marks, margin);
+    grid.shown_share = static_cast<double>(bits.count()) / static_cast<double>(bricks);
+    setDistancesTo(bits, grid.bricks, marks);
   });
 }
 
