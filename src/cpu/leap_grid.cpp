@@ -102,7 +102,7 @@ struct BrickSpan {
 void eachRowOfBricks(const ChunkTexels& chunk, Vec3i bricks, int64_t margin, const auto& body) {
   for (int64_t z = 0; z < bricks.z; ++z)
     for (int64_t y = 0; y < bricks.y; ++y)
-      body(BrickSpan(y, chunk.storage_vox.y, margin), BrickSpan(z, chunk.storage_vox.z, margin));
+      body(BrickSpan(y, chunk.size_vox.y, margin), BrickSpan(z, chunk.size_vox.z, margin));
 }
 
 // The least and the greatest texels of the columns of a row of bricks. Before and behind lie
@@ -117,15 +117,18 @@ struct ColumnRanges {
 
 // Sets the columns, as many at once as a `Texels` has numbers. Requires: the chunk has so many.
 template <class Texels, class T>
-void setColumns(const T* texels, Vec3i storage, BrickSpan y_span, BrickSpan z_span,
+void setColumns(const ChunkTexels& chunk, BrickSpan y_span, BrickSpan z_span,
                 ColumnRanges<T>& ranges) {
+  const auto* texels = reinterpret_cast<const T*>(chunk.bytes.get());
+  const Vec3i storage = chunk.storage_vox;
+  const int64_t columns = chunk.size_vox.x;
   Texels most{}, least{};
   most += kNothing<T>.lo;
   least += kNothing<T>.hi;
   constexpr auto kAtOnce = static_cast<int64_t>(sizeof(Texels) / sizeof(T));
-  for (int64_t x = 0; x < storage.x; x += kAtOnce) {
+  for (int64_t x = 0; x < columns; x += kAtOnce) {
     // The last columns are taken twice rather than fewer at once.
-    const int64_t first = std::min(x, storage.x - kAtOnce);
+    const int64_t first = std::min(x, columns - kAtOnce);
     Texels lo = most, hi = least;
     for (int64_t z = z_span.lo; z < z_span.hi; ++z)
       for (int64_t y = y_span.lo; y < y_span.hi; ++y) {
@@ -157,24 +160,22 @@ void takeFours(ColumnRanges<T>& ranges) {
 template <class T>
 void setRanges(const ChunkTexels& chunk, int64_t margin, LeapGrid& grid) {
   using Texels = Vector<T>::Texels;
-  const auto* texels = reinterpret_cast<const T*>(chunk.bytes.get());
-  const Vec3i storage = chunk.storage_vox;
-  ColumnRanges<T> ranges(storage.x);
+  const int64_t columns = chunk.size_vox.x;
+  ColumnRanges<T> ranges(columns);
   constexpr size_t kBeside = ranges.kBeside;
   // Two windows of four columns, which overlap, are those of a brick.
   SLUICE_CHECK_LE(margin, 1);
   const auto second = static_cast<size_t>(1 + 2 * margin);
   auto* out = reinterpret_cast<Range<T>*>(grid.ranges.data());
   eachRowOfBricks(chunk, grid.bricks, margin, [&](BrickSpan y, BrickSpan z) {
-    for (auto* columns : {&ranges.lo, &ranges.hi}) {
-      const T nothing = columns == &ranges.lo ? kNothing<T>.lo : kNothing<T>.hi;
-      std::fill_n(columns->begin(), kBeside, nothing);
-      std::fill_n(columns->end() - kBeside, kBeside, nothing);
-    }
-    if (storage.x * sizeof(T) >= sizeof(Texels))
-      setColumns<Texels>(texels, storage, y, z, ranges);
+    std::fill_n(ranges.lo.begin(), kBeside, kNothing<T>.lo);
+    std::fill_n(ranges.hi.begin(), kBeside, kNothing<T>.hi);
+    std::fill_n(ranges.lo.end() - kBeside, kBeside, kNothing<T>.lo);
+    std::fill_n(ranges.hi.end() - kBeside, kBeside, kNothing<T>.hi);
+    if (static_cast<size_t>(columns) * sizeof(T) >= sizeof(Texels))
+      setColumns<Texels>(chunk, y, z, ranges);
     else
-      setColumns<T>(texels, storage, y, z, ranges);
+      setColumns<T>(chunk, y, z, ranges);
     takeFours(ranges);
     for (int64_t x = 0; x < grid.bricks.x; ++x) {
       const size_t at = kBeside + static_cast<size_t>(x * kBrickSide - margin);
@@ -189,14 +190,15 @@ template <class T>
 void setRangesOfSpreads(const ChunkTexels& chunk, const ExpectedLook* expected, int64_t margin,
                         LeapGrid& grid) {
   const auto* texels = reinterpret_cast<const T*>(chunk.bytes.get());
-  const int64_t columns = chunk.storage_vox.x;
+  const Vec3i storage = chunk.storage_vox;
+  const int64_t columns = chunk.size_vox.x;
   std::vector<SpreadBounds<T>> bounds(static_cast<size_t>(columns));
   auto* out = reinterpret_cast<Range<T>*>(grid.ranges.data());
   eachRowOfBricks(chunk, grid.bricks, margin, [&](BrickSpan y_span, BrickSpan z_span) {
     std::ranges::fill(bounds, SpreadBounds<T>());
     for (int64_t z = z_span.lo; z < z_span.hi; ++z)
       for (int64_t y = y_span.lo; y < y_span.hi; ++y)
-        widenBySpread(texels + 2 * (z * chunk.storage_vox.y + y) * columns, bounds.data(), columns);
+        widenBySpread(texels + 2 * (z * storage.y + y) * storage.x, bounds.data(), columns);
     for (int64_t brick = 0; brick < grid.bricks.x; ++brick) {
       SpreadBounds<T> all;
       const BrickSpan x_span(brick, columns, margin);
@@ -336,12 +338,11 @@ void setDistancesTo(BrickBits bits, Vec3i size, std::span<uint8_t> distances) {
 }  // namespace
 
 LeapGrid leapGrid(const ChunkTexels& chunk, const ExpectedLook* expected, int64_t margin) {
-  const Vec3i storage = chunk.storage_vox;
   LeapGrid grid;
   grid.margin = margin;
   // The last texel of an axis begins no cell.
   for (int a = 0; a < 3; ++a)
-    grid.bricks[a] = (std::max<int64_t>(storage[a] - 1, 1) + kBrickSide - 1) / kBrickSide;
+    grid.bricks[a] = (std::max<int64_t>(chunk.size_vox[a] - 1, 1) + kBrickSide - 1) / kBrickSide;
   const auto bricks = static_cast<size_t>(volume(grid.bricks));
   grid.ranges.resize(bricks * 2 * bytesPerVoxel(chunk.type));
   inWideVectors([&] {

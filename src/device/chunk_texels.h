@@ -17,6 +17,7 @@ namespace sluice {
 // wholeShare() stands for all. Immutable once filled; any thread may read.
 struct ChunkTexels {
   Vec3i storage_vox;
+  Vec3i size_vox;  // of its blocks, from the first texel on: no sample needs the others
   DeviceType type = DeviceType::kU8;
   bool has_spread = false;
   size_t byte_count = 0;

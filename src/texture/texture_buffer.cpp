@@ -62,6 +62,7 @@ uint64_t TextureBuffer::bytesOf(const TexturePlan& plan, const Chunk& chunk) {
 TextureBuffer::EntryPtr TextureBuffer::publish(const TexturePlan& plan, const Chunk& chunk,
                                                ChunkName name, std::vector<Filling>& fillings) {
   auto texels = std::make_shared<ChunkTexels>();
+  texels->size_vox = chunk.size_vox;
   texels->storage_vox = plan.page.pageGridOf(chunk.size_vox) * plan.page.size_vox;
   texels->type = blocks_.type();
   texels->has_spread = plan.numbersOf(chunk) == 2;

@@ -29,7 +29,7 @@ FrameSetup setupOf(Vec3i dims, Projection projection, double azimuth_deg) {
 // Its texels are not looked at.
 ChunkTexels chunkOf(Vec3i dims) {
   ChunkTexels chunk;
-  chunk.storage_vox = dims;
+  chunk.storage_vox = chunk.size_vox = dims;
   chunk.byte_count = static_cast<size_t>(volume(dims));
   chunk.bytes = std::make_shared<std::byte[]>(chunk.byte_count);
   return chunk;

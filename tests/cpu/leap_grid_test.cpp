@@ -112,6 +112,26 @@ void expectNearestDistances(DeviceType type) {
             [&](Vec3i brick) { EXPECT_EQ(grid.distances[placeOf(grid, brick)], kMostDistance); });
 }
 
+// A chunk is stored in whole pages.
+TEST(LeapGrid, texelsBehindThoseOfItsBlocksDoNotCount) {
+  const ChunkTexelsPtr small = texelsOf(DeviceType::kU8);
+  ChunkTexels stored = *small;
+  stored.storage_vox = kDims + Vec3i{19, 10, 7};
+  stored.byte_count = static_cast<size_t>(volume(stored.storage_vox));
+  stored.bytes = std::make_shared<std::byte[]>(stored.byte_count);
+  std::memset(stored.bytes.get(), 200, stored.byte_count);
+  for (int64_t z = 0; z < kDims.z; ++z)
+    for (int64_t y = 0; y < kDims.y; ++y)
+      std::memcpy(stored.bytes.get() + (z * stored.storage_vox.y + y) * stored.storage_vox.x,
+                  small->bytes.get() + (z * kDims.y + y) * kDims.x, static_cast<size_t>(kDims.x));
+  for (const int64_t margin : {0, 1}) {
+    const LeapGrid expected = leapGrid(*small, nullptr, margin);
+    const LeapGrid grid = leapGrid(stored, nullptr, margin);
+    EXPECT_EQ(grid.bricks, expected.bricks);
+    EXPECT_EQ(grid.ranges, expected.ranges);
+  }
+}
+
 TEST(LeapGridTest, distancesAreThoseToTheNearestBrickThatShowsSomething) {
   expectNearestDistances(DeviceType::kU8);
   expectNearestDistances(DeviceType::kU16);

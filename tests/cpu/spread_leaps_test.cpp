@@ -43,7 +43,7 @@ TEST(SpreadLeaps, aPairOfBytesHasTheRangeThatItsSamplesCanShow) {
 // neither of them stands for.
 TEST(SpreadLeaps, aBrickHasTheValuesOfEverySampleInIt) {
   ChunkTexels chunk;
-  chunk.storage_vox = {2 * kBrickSide + 1, kBrickSide + 1, kBrickSide + 1};
+  chunk.storage_vox = chunk.size_vox = {2 * kBrickSide + 1, kBrickSide + 1, kBrickSide + 1};
   chunk.has_spread = true;
   chunk.byte_count = 2 * static_cast<size_t>(volume(chunk.storage_vox));
   chunk.bytes = std::make_shared<std::byte[]>(chunk.byte_count);
@@ -74,7 +74,7 @@ TEST(SpreadLeaps, aBrickHasTheValuesOfEverySampleInIt) {
 
 TEST(SpreadLeaps, theTableMakesTheSameGrid) {
   ChunkTexels chunk;
-  chunk.storage_vox = {24, 17, 13};
+  chunk.storage_vox = chunk.size_vox = {24, 17, 13};
   chunk.has_spread = true;
   chunk.byte_count = 2 * static_cast<size_t>(volume(chunk.storage_vox));
   chunk.bytes = std::make_shared<std::byte[]>(chunk.byte_count);

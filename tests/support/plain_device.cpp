@@ -387,7 +387,7 @@ Picture PlainDevice::endFrame() {
 
 ChunkTexelsPtr chunkTexels(Vec3i storage_vox, DeviceType type, std::span<const std::byte> bytes) {
   auto chunk = std::make_shared<ChunkTexels>();
-  chunk->storage_vox = storage_vox;
+  chunk->storage_vox = chunk->size_vox = storage_vox;
   chunk->type = type;
   chunk->byte_count = bytes.size();
   chunk->bytes = std::make_shared_for_overwrite<std::byte[]>(bytes.size());

@@ -24,7 +24,7 @@ OpacityTable translucent(const ValueMap& map) {
 
 ChunkTexelsPtr texels() {
   auto chunk = std::make_shared<ChunkTexels>();
-  chunk->storage_vox = {kSide, kSide, kSide};
+  chunk->storage_vox = chunk->size_vox = {kSide, kSide, kSide};
   chunk->byte_count = static_cast<size_t>(kSide * kSide * kSide);
   chunk->bytes = std::make_shared<std::byte[]>(chunk->byte_count);
   // A generator of its own: the same texels on all machines.
