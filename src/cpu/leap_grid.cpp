@@ -115,8 +115,8 @@ struct ColumnRanges {
   std::vector<T> lo, hi;
 };
 
-// Sets the columns, as many at once as a `Texels` has numbers. Requires: the chunk has so many.
-template <class Texels, class T>
+// Sets the columns, kAtOnce of them in a `Texels`. Requires: the chunk has so many.
+template <int64_t kAtOnce, class Texels, class T>
 void setColumns(const ChunkTexels& chunk, BrickSpan y_span, BrickSpan z_span,
                 ColumnRanges<T>& ranges) {
   const auto* texels = reinterpret_cast<const T*>(chunk.bytes.get());
@@ -125,7 +125,6 @@ void setColumns(const ChunkTexels& chunk, BrickSpan y_span, BrickSpan z_span,
   Texels most{}, least{};
   most += kNothing<T>.lo;
   least += kNothing<T>.hi;
-  constexpr auto kAtOnce = static_cast<int64_t>(sizeof(Texels) / sizeof(T));
   for (int64_t x = 0; x < columns; x += kAtOnce) {
     // The last columns are taken twice rather than fewer at once.
     const int64_t first = std::min(x, columns - kAtOnce);
@@ -159,7 +158,8 @@ void takeFours(ColumnRanges<T>& ranges) {
 
 template <class T>
 void setRanges(const ChunkTexels& chunk, int64_t margin, LeapGrid& grid) {
-  using Texels = Vector<T>::Texels;
+  using Texels = typename Vector<T>::Texels;
+  constexpr auto kAtOnce = static_cast<int64_t>(sizeof(Texels) / sizeof(T));
   const int64_t columns = chunk.size_vox.x;
   ColumnRanges<T> ranges(columns);
   constexpr size_t kBeside = ranges.kBeside;
@@ -172,10 +172,10 @@ void setRanges(const ChunkTexels& chunk, int64_t margin, LeapGrid& grid) {
     std::fill_n(ranges.hi.begin(), kBeside, kNothing<T>.hi);
     std::fill_n(ranges.lo.end() - kBeside, kBeside, kNothing<T>.lo);
     std::fill_n(ranges.hi.end() - kBeside, kBeside, kNothing<T>.hi);
-    if (static_cast<size_t>(columns) * sizeof(T) >= sizeof(Texels))
-      setColumns<Texels>(chunk, y, z, ranges);
+    if (columns >= kAtOnce)
+      setColumns<kAtOnce, Texels>(chunk, y, z, ranges);
     else
-      setColumns<T>(chunk, y, z, ranges);
+      setColumns<1, T>(chunk, y, z, ranges);
     takeFours(ranges);
     for (int64_t x = 0; x < grid.bricks.x; ++x) {
       const size_t at = kBeside + static_cast<size_t>(x * kBrickSide - margin);
