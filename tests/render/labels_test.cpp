@@ -47,6 +47,25 @@ TEST_F(LabelsTest, labelsGiveTheReferencePicture) {
     }
 }
 
+// Labels that only floats hold, and that 2^16 entries do not tell apart.
+TEST_F(LabelsTest, labelsFarApartGiveTheReferencePicture) {
+  for (const float greatest : {70000.0F, 1048575.0F}) {
+    SCOPED_TRACE(greatest);
+    const auto numbers = things();
+    const auto source =
+        makeMemorySource<float>(numbers->layout().dims, [&](auto x, auto y, auto z) -> float {
+          std::array<std::byte, 1> voxel{};
+          numbers->readRegion(0, {{x, y, z}, {x + 1, y + 1, z + 1}}, voxel);
+          const auto number = std::to_integer<int>(voxel[0]);
+          return number == 200 ? greatest : number == 90 ? 17 : number == 3 ? 1 : 0;
+        });
+    RenderScene scene(device(), *source, labelsTransfer(labelStyles({0, 1, 17, greatest}, 0)),
+                      {.block_vox = 16, .lit = true});
+    const FrameOptions options = obliqueView(Projection::kOrtho);
+    EXPECT_TRUE(within(kOfReference, scene.draw(options), scene.reference(options)));
+  }
+}
+
 // The part of a grey surface's brightness that lighting.h gives a normal in camera space.
 double brightnessOf(const Lighting& lighting, Vec3d normal, double grey) {
   double diffuse = lighting.ambient, specular = 0;

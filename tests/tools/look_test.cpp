@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fstream>
 #include <sstream>
@@ -271,6 +272,23 @@ TEST(Look, opacityBesideAFileIsAWarning) {
   EXPECT_THAT(program.run(line + "--transfer t.json --opacity 0.3").output,
               HasSubstr("warning: --opacity 0.3: changes nothing, since --transfer has opacities"));
   EXPECT_THAT(program.run(line + "--transfer t.json").output, Not(HasSubstr("warning")));
+}
+
+TEST(Look, labelsThatNoTableTellsApartAreAWarning) {
+  const Program program;
+  const auto warningOf = [&](float greatest) {
+    std::vector<float> voxels(size_t{8} * 8 * 8);
+    for (size_t i = 0; i < voxels.size(); ++i)
+      voxels[i] = std::array{0.0F, 1.0F, 17.0F, greatest}[i / 2 % 4];
+    std::ofstream(program.folder / "l_8x8x8_float32.raw", std::ios::binary)
+        .write(reinterpret_cast<const char*>(voxels.data()),
+               static_cast<std::streamsize>(4 * voxels.size()));
+    return program.run("render l_8x8x8_float32.raw -o a.png --force --size 32 --labels").output;
+  };
+  EXPECT_THAT(warningOf(1048575), Not(HasSubstr("warning")));
+  EXPECT_THAT(warningOf(614454272),
+              HasSubstr("warning: labels from 0 to 614454272: 3 of them may show as another label "
+                        "or not at all, since numbers that span more than 1048576"));
 }
 
 TEST(Look, labelsThatNoVoxelHasAreAWarning) {

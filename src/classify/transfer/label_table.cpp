@@ -187,6 +187,20 @@ void applyLooks(std::vector<LabelStyle>& styles, const std::vector<LabelLook>& l
   }
 }
 
+size_t labelsTooClose(const std::vector<LabelStyle>& styles) {
+  if (styles.empty()) return 0;
+  const double span = styles.back().label - styles.front().label;
+  if (span < kMostLabelEntries) return 0;
+  const double entry = span / (kMostLabelEntries - 1);
+  const auto isClose = [&](size_t i) {
+    return i > 0 && i < styles.size() && styles[i].label - styles[i - 1].label <= entry;
+  };
+  size_t count = 0;
+  for (size_t i = 0; i < styles.size(); ++i)
+    if (isClose(i) || isClose(i + 1)) ++count;
+  return count;
+}
+
 TransferFunction labelsTransfer(const std::vector<LabelStyle>& styles) {
   SLUICE_CHECK(!styles.empty());
   TransferFunction transfer;

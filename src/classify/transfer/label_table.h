@@ -31,6 +31,10 @@ struct LabelStyle {
 // Labels that a table or a volume has at the most.
 inline constexpr size_t kMostLabels = size_t{1} << 16;
 
+// Entries of a table of labels at the most. Each label has one of its own if their numbers span
+// fewer.
+inline constexpr int kMostLabelEntries = 1 << 20;
+
 // Ascending by label, each once. Throws Error: one line with the path, the line, what was expected
 // and what was found; and Interrupted, while it waits for a pipe.
 std::vector<LabelStyle> readLabelTable(const std::filesystem::path& path,
@@ -50,6 +54,10 @@ void applyLooks(std::vector<LabelStyle>& styles, const std::vector<LabelLook>& l
 // them if one is named; `background` does not show. Throws Error if the map is unknown.
 std::vector<LabelStyle> labelStyles(const std::vector<double>& values, double background,
                                     std::string_view map = {});
+
+// How many labels are so close to another one, for the range of all of them, that a table of
+// kMostLabelEntries may give both the same look. Requires: ascending.
+size_t labelsTooClose(const std::vector<LabelStyle>& styles);
 
 // The labels, each with its own look and nothing between them. Requires: ascending, not empty.
 TransferFunction labelsTransfer(const std::vector<LabelStyle>& styles);

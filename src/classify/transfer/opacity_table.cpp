@@ -8,6 +8,7 @@
 
 #include "src/base/error.h"
 #include "src/base/wide_vectors.h"
+#include "src/classify/transfer/label_table.h"
 #include "src/classify/transfer/segments.h"
 
 namespace sluice {
@@ -58,8 +59,13 @@ ValueRange tableRange(const TransferFunction& transfer, const ValueMap& map, Val
   return is_few ? part : all;
 }
 
-// Entries of a table of labels.
-constexpr int kMostLabelEntries = 1 << 16;
+// The entries that a table of labels may have: enough for each label to have its own, if there may
+// be so many.
+int labelEntries(ValueRange range) {
+  constexpr double kLeast = 1 << 16;
+  return static_cast<int>(
+      std::clamp(std::floor(range.hi - range.lo) + 1, kLeast, double{kMostLabelEntries}));
+}
 
 // Each integer falls on an entry, of floats that hold integers too.
 int entryCount(ValueRange range, int most) {
@@ -111,10 +117,7 @@ OpacityTable::OpacityTable(const TransferFunction& transfer, const ValueMap& map
       volume_range_(device_range),
       labels_(transfer.labels) {
   SLUICE_CHECK_LE(2, most_entries);
-  // Each label has an entry of its own.
-  const int count =
-      entryCount(range_, labels_ && range_.hi - range_.lo < kMostLabelEntries ? kMostLabelEntries
-                                                                              : most_entries);
+  const int count = entryCount(range_, labels_ ? labelEntries(range_) : most_entries);
   const auto size = static_cast<size_t>(count);
   opacity_.resize(size);
   rgba_.resize(4 * size);

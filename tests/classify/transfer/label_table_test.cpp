@@ -124,6 +124,23 @@ TEST(LabelTable, everyOfManyLabelsHasItsOwnEntry) {
   }
 }
 
+TEST(LabelTable, labelsFarApartHaveTheirOwnEntries) {
+  for (const double greatest : {65536.0, 70000.0, 1048575.0}) {
+    SCOPED_TRACE(greatest);
+    const auto styles = labelStyles({0, 1, 17, greatest}, 0);
+    EXPECT_EQ(labelsTooClose(styles), 0U);
+    const OpacityTable table(labelsTransfer(styles), {DeviceType::kF32, 1, 0}, {0, greatest});
+    for (const LabelStyle& style : styles) {
+      const auto entry = static_cast<size_t>(table.entryOf(style.label));
+      EXPECT_EQ(table.opacity()[entry], style.opacity) << style.label;
+      EXPECT_EQ(table.rgba()[4 * entry], static_cast<float>(style.rgb.x)) << style.label;
+    }
+    EXPECT_FALSE(table.shown().anyIn(0, 0)) << "the background";
+  }
+  EXPECT_EQ(labelsTooClose(labelStyles({0, 1, 17, 2000000, 614454277}, 0)), 3U);
+  EXPECT_EQ(labelsTooClose(labelStyles({0, 1, 17, 2000000}, 0)), 2U);
+}
+
 TEST(LabelTable, ofMoreLabelsThanAreCountedEachIsThere) {
   ValueCounts counts;
   for (int i = 0; i < 4096; ++i) counts.entries.push_back({16.0 * i, 16.0 * i + 15, 100});

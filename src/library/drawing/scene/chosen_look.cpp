@@ -146,6 +146,11 @@ class Chooser {
     scaleOpacities(styles, chosen_.label_opacity);
     applyLooks(styles, look_.label_looks);
     chosen_.transfer = labelsTransfer(styles);
+    if (const size_t close = labelsTooClose(styles); close > 0)
+      chosen_.warnings.push_back(fmt::format(
+          "labels from {:.17g} to {:.17g}: {} of them may show as another label or not at all, "
+          "since numbers that span more than {} share looks with close ones; number them anew",
+          styles.front().label, styles.back().label, close, kMostLabelEntries));
     for (const LabelStyle& style : styles)
       if (!style.name.empty()) chosen_.label_names.emplace(style.label, style.name);
     addLabels();
