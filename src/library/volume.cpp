@@ -80,12 +80,14 @@ void open(OpenedVolume& opened, VolumeArguments arguments, const VolumeOptions& 
   const IndexPass pass{pool, progress, memoryBudget(machine), teller.stop()};
   std::vector<std::string> notes;
   std::vector<ChannelSource> sources = channels(arguments);
+  const VolumeLayout first = sources.front().source->layout();
   for (ChannelSource& source : sources) {
     IndexNeeds own = needs;
     // Means of labels say nothing; their most frequent ones do.
     if (looksLikeLabels(source)) own.values = LevelValues::kModes;
+    const MachineOptions own_machine = withBlocksOfFirst(machine, source.source->layout(), first);
     IndexedVolume volume =
-        indexVolume(std::move(source.source), source.arguments, machine, own, wish, pass);
+        indexVolume(std::move(source.source), source.arguments, own_machine, own, wish, pass);
     volume.channel = std::move(source.channel);
     std::ranges::move(source.notes, std::back_inserter(volume.notes));
     if (volume.stand_in) volume.notes.push_back(volume.standInNote());

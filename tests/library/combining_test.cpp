@@ -54,6 +54,11 @@ TEST(Combining, whatIsNotDrawnChangesNoMemory) {
   EXPECT_EQ(renderer.report().texture_cache.loads, loads);
 }
 
+TEST(Combining, aVolumeOfAnotherTypeHasTheBlocksOfTheFirst) {
+  const Volume volume("synth:shells,dims=48x40x36,type=u16", kOver);
+  EXPECT_TRUE(Renderer(volume).shownLook().blends);
+}
+
 // The least memory of a renderer, found by bisection.
 uint64_t leastMemory(const Volume& volume) {
   uint64_t too_little = 1, enough = uint64_t{1} << 30;

@@ -18,7 +18,8 @@ def nrrd(name, voxels, directions, origin, space='right-anterior-superior', unit
         return '(' + ','.join(repr(float(n)) for n in numbers) + ')'
     sizes = ' '.join(str(n) for n in voxels.shape[::-1])
     header = f"""NRRD0004
-type: uint8
+type: {voxels.dtype.name}
+endian: little
 dimension: {voxels.ndim}
 {'space: ' + space if space else 'space dimension: 3'}
 sizes: {sizes}
@@ -39,7 +40,9 @@ def write():
         away = [((a - c) / r)**2 for a, c, r in zip((x, y, z), center, radii)]
         return (255 * np.exp(-sum(away))).astype('u1')
     axes = np.eye(3) * SPACING
-    nrrd('scan.nrrd', ball((22, 21, 26), (9, 13, 8)), axes, ORIGIN)
+    scan = ball((22, 21, 26), (9, 13, 8))
+    nrrd('scan.nrrd', scan, axes, ORIGIN)
+    nrrd('scan16.nrrd', 100 * scan.astype('u2'), axes, ORIGIN)
     spot = ball((33, 15, 30), (5, 6, 7))
     nrrd('spot.nrrd', spot, axes, ORIGIN)
     # The same spot with its axes in another order, x from its end, in LPS and micrometers.

@@ -143,6 +143,24 @@ TEST_F(Over, isOneMediumOnOneGridUnlessAsked) {
   EXPECT_EQ(difference("high.png", "haze.png"), 0);
 }
 
+// Blocks of 8 and of 16 bits have different sizes unless they are blended.
+TEST_F(Over, isOneMediumWithAVolumeOfAnotherType) {
+  for (const char* volumes : {"scan16.nrrd --over labels.nrrd", "labels.nrrd --over scan16.nrrd"}) {
+    SCOPED_TRACE(volumes);
+    EXPECT_THAT(render(std::string(volumes) + " --verify -o unasked.png"),
+                AllOf(HasSubstr("0 pixels above 1/255"), Not(HasSubstr("added, not blended"))));
+    render(std::string(volumes) + " -o asked.png --combine blend");
+    EXPECT_EQ(difference("unasked.png", "asked.png"), 0);
+    const auto plan = program_.json(std::string("plan ") + volumes)["channels"];
+    const auto blocksOf = [&](size_t channel) {
+      int count = 0;
+      for (const auto& blocks : plan[channel]["blocks"]) count += blocks.get<int>();
+      return count;
+    };
+    EXPECT_EQ(blocksOf(0), blocksOf(1));
+  }
+}
+
 // The plan, the report and the simulator have the blocks of the blended picture.
 TEST_F(Over, isPlannedAsItIsDrawn) {
   for (const char* combine : {"", "--combine blend ", "--combine add "}) {

@@ -6,6 +6,7 @@
 
 #include "io/web/address.h"
 #include "src/base/values/bytes.h"
+#include "src/library/drawing/scene/resources.h"
 #include "tools/command_line/console.h"
 #include "tools/command_line/environment.h"
 #include "tools/scene/open_scene.h"
@@ -37,11 +38,14 @@ std::optional<PassForecast> passOverServer(const VolumeArguments& volume, const 
   // Local files are read in the first pass anyway; only a server makes its bytes a question.
   if (!isAddress(volume.inputs.front())) return std::nullopt;
   std::optional<PassForecast> all;
-  for (const ChannelSource& channel : openChannels(volume)) {
+  const std::vector<ChannelSource> channels = openChannels(volume);
+  const VolumeLayout& first = channels.front().source->layout();
+  for (const ChannelSource& channel : channels) {
     const IndexNeeds needs =
         pictureNeeds(lookOfChannel(look, channel.channel), frame, FinestLevel::kMayWait);
-    const auto pass =
-        passForecast(*channel.source, volume, resources, needs, indexWish(resources.index_dir));
+    const auto pass = passForecast(*channel.source, volume,
+                                   withBlocksOfFirst(resources, channel.source->layout(), first),
+                                   needs, indexWish(resources.index_dir));
     if (!pass) continue;
     if (!all) {
       all = pass;

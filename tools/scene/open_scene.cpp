@@ -5,6 +5,7 @@
 #include <memory>
 #include <utility>
 
+#include "src/library/drawing/scene/resources.h"
 #include "src/library/drawing/scene/shared_world.h"
 #include "src/render/blocks/cut/cut_rules.h"
 #include "tools/command_line/console.h"
@@ -19,14 +20,15 @@ ProgressWatch indexingLine(const ResourceArguments& resources) {
   return resources.quiet ? ProgressWatch() : progressLine("indexing");
 }
 
-// Reads or builds the index of a channel. `said`: notes that were printed; the channel's others are
-// printed and added.
+// Reads or builds the index of a channel; `machine` has the size of its blocks. `said`: notes that
+// were printed; the channel's others are printed and added.
 IndexedVolume indexed(ChannelSource opened, const ResourceArguments& resources,
-                      const IndexNeeds& needs, WorkerPool& pool, std::vector<std::string>& said) {
+                      const MachineOptions& machine, const IndexNeeds& needs, WorkerPool& pool,
+                      std::vector<std::string>& said) {
   ProgressMeter progress(indexingLine(resources));
   IndexPass pass = passOf(pool, progress, resources);
   if (!resources.quiet) pass.announce = printNotice;
-  IndexedVolume volume = indexVolume(std::move(opened.source), opened.arguments, resources, needs,
+  IndexedVolume volume = indexVolume(std::move(opened.source), opened.arguments, machine, needs,
                                      indexWish(resources.index_dir), pass);
   volume.channel = std::move(opened.channel);
   std::ranges::move(opened.notes, std::back_inserter(volume.notes));
@@ -60,13 +62,13 @@ IndexedVolume openIndexed(const VolumeArguments& arguments, const ResourceArgume
   ChannelSource opened = openChannel(arguments);
   outputs.check(opened.source->files());
   std::vector<std::string> said;
-  return indexed(std::move(opened), resources, needs, pool, said);
+  return indexed(std::move(opened), resources, resources, needs, pool, said);
 }
 
 IndexedVolume openIndexed(const VolumeArguments& arguments, const ResourceArguments& resources,
                           const IndexNeeds& needs, WorkerPool& pool,
                           std::vector<std::string>& said) {
-  return indexed(openChannel(arguments), resources, needs, pool, said);
+  return indexed(openChannel(arguments), resources, resources, needs, pool, said);
 }
 
 std::vector<IndexedVolume> openIndexedChannels(const VolumeArguments& arguments,
@@ -98,9 +100,13 @@ std::vector<IndexedVolume> openIndexedChannels(const VolumeArguments& arguments,
     // Blended channels are read in the same blocks.
     if (blends && std::ranges::any_of(needs, &IndexNeeds::gradients))
       for (IndexNeeds& each : needs) each.gradients = true;
+    const VolumeLayout first = opened.front().source->layout();
     std::vector<IndexedVolume> volumes;
-    for (size_t i = 0; i < opened.size(); ++i)
-      volumes.push_back(indexed(std::move(opened[i]), resources, needs[i], pool, said));
+    for (size_t i = 0; i < opened.size(); ++i) {
+      const MachineOptions machine =
+          withBlocksOfFirst(resources, opened[i].source->layout(), first);
+      volumes.push_back(indexed(std::move(opened[i]), resources, machine, needs[i], pool, said));
+    }
     return volumes;
   };
   std::vector<IndexedVolume> volumes = openFor(frame);

@@ -5,6 +5,7 @@
 
 #include "src/base/threads/clock.h"
 #include "src/classify/blocks/classification.h"
+#include "src/library/drawing/scene/shared_world.h"
 #include "src/render/blocks/look.h"
 #include "src/render/blocks/losses/spread_tally.h"
 #include "src/volume/ranges/learnt_ranges.h"
@@ -91,6 +92,13 @@ PageGeometry pageShape(const MachineOptions& machine, const ValueMap& map) {
                                                      : "sparse-32";
   page.size_vox = machine.page_vox.value_or(findPageConfiguration(standard)->geometry.size_vox);
   return page;
+}
+
+MachineOptions withBlocksOfFirst(MachineOptions machine, const VolumeLayout& own,
+                                 const VolumeLayout& first) {
+  if (!machine.block && isSameGrid(own, first))
+    machine.block = blockSizeFor(pageShape(machine, deviceMap(first)).size_vox);
+  return machine;
 }
 
 int64_t pageCount(const MachineOptions& machine, const IndexedVolume& volume,

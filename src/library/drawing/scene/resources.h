@@ -26,6 +26,10 @@ constexpr uint64_t cutBytes(uint64_t memory_bytes, PictureRow row) {
 // The standard 64 KiB page of the voxel type unless the user sets another; the number of pages is
 // still open.
 PageGeometry pageShape(const MachineOptions& machine, const ValueMap& map);
+// The machine for a volume that is drawn with the first one: unless the user says how large blocks
+// are, two on the same grid have the blocks of the first one, so that they can be blended.
+MachineOptions withBlocksOfFirst(MachineOptions machine, const VolumeLayout& own,
+                                 const VolumeLayout& first);
 // How many pages, of what `beside_bytes` (min-max arrays and others) leave of the memory: as the
 // user says, or what holds the volume, or what memory comfortably does beside the least buffers.
 int64_t pageCount(const MachineOptions& machine, const IndexedVolume& volume,
