@@ -21,11 +21,12 @@ namespace {
 constexpr uint32_t kLearntVersion = 1;
 
 std::string nameOf(const VolumeSource& source, int64_t time, const BlockLayout& layout) {
-  // A volume of several levels has a ghost layer more, and other arrays with it.
+  // A volume of several levels has a ghost layer more, or two, and other arrays with it.
   return fmt::format("{}{}-{}", layout.size,
                      layout.ghost == 0   ? ""
                      : layout.ghost == 1 ? "-lit"
-                                         : "-levels",
+                     : layout.ghost == 2 ? "-levels"
+                                         : "-odd-levels",
                      selectionOf(source.layout(), time));
 }
 

@@ -9,7 +9,7 @@ namespace sluice {
 
 BlockLayout blockLayout(Vec3i dims, int64_t size, int ghost, const char* where) {
   SLUICE_CHECK(std::has_single_bit(static_cast<uint64_t>(size)));
-  SLUICE_CHECK(ghost >= 0 && ghost <= 2);
+  SLUICE_CHECK(ghost >= 0 && ghost <= 3);
   if (dims.x < 2 || dims.y < 2 || dims.z < 2)
     fail("{}: {} x {} x {} voxels: a picture needs at least 2 along each axis", where, dims.x,
          dims.y, dims.z);

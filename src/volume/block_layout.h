@@ -5,8 +5,8 @@
 // grid has ceil((l-1) / (2^d-1)) blocks along an axis of l voxels (formula 1). With `ghost` = 1 the
 // outermost voxel layer is a border for central differences (lit pictures): the block owns 2^d - 3
 // cells and its first stored plane lies one before its first cell. A volume of several levels has a
-// layer more (pyramid.h). Beyond the volume a block is padded. Cells are classified and drawn: cell
-// i lies between voxel planes i and i+1.
+// layer more, or two (pyramid.h). Beyond the volume a block is padded. Cells are classified and
+// drawn: cell i lies between voxel planes i and i+1.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +18,7 @@ namespace sluice {
 struct BlockLayout {
   Vec3i dims;         // voxels of the volume, each >= 2
   int64_t size = 64;  // 2^d voxels a side
-  int ghost = 0;      // layers: 0, 1, or 2 if lit blocks of several levels meet
+  int ghost = 0;      // layers: 0, 1, or 2 or 3 if lit blocks of several levels meet
   Vec3i grid;         // blocks along each axis
 
   friend bool operator==(const BlockLayout&, const BlockLayout&) = default;
@@ -55,7 +55,7 @@ struct BlockLayout {
 
 // Throws Error when an axis has fewer than 2 voxels, or there are more blocks than 63 bits count
 // (`where` starts the line).
-// Requires: size a power of two, size - 1 - 2 * ghost >= 1, ghost 0 to 2.
+// Requires: size a power of two, size - 1 - 2 * ghost >= 1, ghost 0 to 3.
 BlockLayout blockLayout(Vec3i dims, int64_t size, int ghost, const char* where = "volume");
 
 // Tong's two rules: the smallest power-of-two cube that holds at least one page of page_vox voxels.

@@ -82,8 +82,13 @@ std::string PyramidLayout::add(Vec3i dims, const LevelPlacement& placement, int 
         return (static_cast<double>(cell) - placement.offset[a]) / placement.scale[a] -
                static_cast<double>(voxel);
       };
+      // Beyond its last voxel a level shows that voxel's value, and the padding holds it: levels of
+      // floor-divided sizes end up to one and a half of their voxels before the volume does.
+      // The outermost layer is for slopes there.
+      const double most_above =
+          block == end ? std::max(kMostShift, finest().ghost - 1.0) : kMostShift;
       const bool fits = lo < hi && shift(lo, block * side) >= -kMostShift - kRounding &&
-                        shift(hi, (block + 1) * side) <= kMostShift + kRounding;
+                        shift(hi, (block + 1) * side) <= most_above + kRounding;
       if (fits) continue;
       // A voxel lies in the middle of those that it stands for, or at the first of them.
       const double middle = (placement.scale[a] - 1) / 2, offset = placement.offset[a];
@@ -92,6 +97,11 @@ std::string PyramidLayout::add(Vec3i dims, const LevelPlacement& placement, int 
             "along {} its first voxel lies at {:g} among those of level 0, expected "
             "0 to {:g}",
             "xyz"[a], offset, middle);
+      if (std::abs(factor - static_cast<double>(times)) <= kRounding)
+        return fmt::format(
+            "along {} its {} voxels, {:g} times as wide as those of level 0, end elsewhere than "
+            "the {} of level 0",
+            "xyz"[a], dims[a], placement.scale[a], finest().dims[a]);
       return fmt::format(
           "along {} its voxels are {:g} times as wide as those of the level before, "
           "expected a whole number",
@@ -137,6 +147,18 @@ Box3 PyramidLayout::childrenOf(int number, Vec3i index) const {
     // The last block's children include those that make no whole number of them.
     if (index[a] == at.blocks.grid[a] - 1) children.hi[a] = below.blocks.grid[a];
   return children;
+}
+
+int ghostOfLevels(Vec3i dims, int64_t block, std::span<const CoarserLevel> levels) {
+  constexpr int kUsual = 2, kMost = 3;
+  const auto nesting = [&](int ghost) {
+    PyramidLayout pyramid(blockLayout(dims, block, ghost));
+    for (const CoarserLevel& level : levels)
+      if (!pyramid.add(level.source->layout().dims, level.placement).empty()) break;
+    return pyramid.levels();
+  };
+  const bool has_room = block - 1 - 2 * kMost >= 1;
+  return has_room && nesting(kMost) > nesting(kUsual) ? kMost : kUsual;
 }
 
 int levelsInCommon(const PyramidLayout& a, const PyramidLayout& b) {

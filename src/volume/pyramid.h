@@ -70,6 +70,10 @@ class PyramidLayout {
   std::vector<LevelLayout> levels_;  // the finest first
 };
 
+// The ghost layers around blocks of `block` voxels a side of a volume with these levels: 2, or 3 if
+// more of the levels nest in such blocks, as those of sizes that were halved and rounded down may.
+int ghostOfLevels(Vec3i dims, int64_t block, std::span<const CoarserLevel> levels);
+
 // The number of levels, from the finest on, that both have alike: cut into the same blocks, of
 // voxels at the same places. Their voxels may have more or fewer numbers.
 int levelsInCommon(const PyramidLayout& a, const PyramidLayout& b);

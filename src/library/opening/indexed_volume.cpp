@@ -202,8 +202,10 @@ IndexedVolume indexVolume(std::unique_ptr<VolumeSource> source, const VolumeArgu
     takeSample(volume, *needs.sample_seconds, pass);
   // Several levels take a layer more (pyramid.h), and have the same blocks lit and unlit, so that
   // an index made ahead serves both: without one, nothing would be known of the finest level.
-  const bool has_levels = side.any() || !levelsFor(*volume.source, needs).empty();
-  volume.layout = layoutOf(has_levels ? kGhostOfLevels : plain_ghost);
+  const std::span<const CoarserLevel> own_levels = levelsFor(*volume.source, needs);
+  const bool has_levels = side.any() || !own_levels.empty();
+  volume.layout =
+      layoutOf(has_levels ? ghostOfLevels(layout.dims, block, own_levels) : plain_ghost);
   std::optional<IndexedRanges> made;
   if (side.taker() != nullptr) {
     try {

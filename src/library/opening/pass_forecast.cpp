@@ -33,9 +33,8 @@ std::optional<PassForecast> passForecast(VolumeSource& source, const VolumeArgum
   const IndexNeeds needs = storedNeeds(asked, deviceMap(layout));
   const PageGeometry page = pageShape(machine, deviceMap(layout));
   const int64_t side = machine.block.value_or(blockSizeFor(page.size_vox));
-  // Volumes with levels have a layer more (indexed_volume.h).
-  constexpr int kLevelsGhost = 2;
-  PyramidLayout pyramid = pyramidOf(source, blockLayout(layout.dims, side, kLevelsGhost), needs);
+  const int ghost = ghostOfLevels(layout.dims, side, levelsFor(source, needs));
+  PyramidLayout pyramid = pyramidOf(source, blockLayout(layout.dims, side, ghost), needs);
   if (pyramid.levels() == 1)
     pyramid = PyramidLayout(blockLayout(layout.dims, side, needs.gradients ? 1 : 0));
   const IndexPlaces places = indexPlaces(withoutSecrets(arguments.inputs.front()), wish);
