@@ -13,6 +13,7 @@
 #include "src/base/error.h"
 #include "src/classify/transfer/color_maps.h"
 #include "src/classify/transfer/histogram_analysis.h"
+#include "src/classify/transfer/hounsfield.h"
 #include "src/classify/transfer/transfer_makers.h"
 
 namespace sluice {
@@ -25,8 +26,6 @@ constexpr size_t kFineBins = 4096;
 constexpr double kOpticalDepth = 6;
 // No voxel hides all that is behind it: steps between voxels would show as rings.
 constexpr double kLargestOpacity = 0.5;
-// Hounsfield units: below the first there is nothing, from the second on there is bone.
-constexpr double kLeastHounsfield = -1100, kBone = 200;
 // The ramp's points between threshold and top, as shares of its width and height.
 constexpr std::array<double, 9> kPlaces = {0, 0.03, 0.1, 0.2, 0.35, 0.5, 0.65, 0.8, 1};
 
@@ -250,48 +249,14 @@ void endAt(std::vector<OpacityPoint>& opacities, ValueRange range, const Without
   }
 }
 
-// --- CT in Hounsfield units: air at -1000, water at 0, bone from some 200 on.
-
-struct Shares {
-  double air = 0, tissue = 0, bone = 0;  // shares of all voxels but padding
-};
-
-Shares hounsfieldShares(const ValueCounts& counts) {
-  const auto share = [&](double lo, double hi, uint64_t all) {
-    return static_cast<double>(total(inside(counts, {lo, hi}))) / static_cast<double>(all);
-  };
-  const uint64_t all = std::max<uint64_t>(1, total(counts));
-  return {share(-1050, -900, all), share(-200, 200, all), share(kBone, 1e9, all)};
-}
-
-// The counts without the padding around a CT's field of view: a value or two far below air.
-ValueCounts withoutPadding(ValueCounts counts) {
-  constexpr size_t kMostPaddings = 2;
-  std::vector<ValueCount>& entries = counts.entries;
-  size_t below = 0;
-  while (below < entries.size() && entries[below].hi < kLeastHounsfield) ++below;
-  if (below <= kMostPaddings)
-    entries.erase(entries.begin(), entries.begin() + static_cast<ptrdiff_t>(below));
-  return counts;
-}
-
-// Whether air and tissue lie at a CT's values, and nothing at values that a CT does not have.
-bool looksLikeHounsfield(const ValueCounts& values) {
-  constexpr double kLeastShare = 0.02, kMost = 70000;
-  if (values.entries.empty()) return false;
-  const ValueRange range = rangeOf(values);
-  if (range.lo < kLeastHounsfield || range.lo > -900 || range.hi < kBone || range.hi > kMost)
-    return false;
-  const Shares shares = hounsfieldShares(values);
-  return shares.air > kLeastShare && shares.tissue > kLeastShare;
-}
+// --- CT
 
 // Shows bone if there is some. It stands above the table that the patient lies on, which skin does
 // not.
 Draft hounsfieldDraft(const ValueCounts& values, const AutomaticOptions& options) {
-  constexpr double kLeastBone = 0.002, kSkin = -300;
+  constexpr double kSkin = -300;
   const Histogram histogram = histogramOf(values, kFineBins);
-  const bool bone = hounsfieldShares(values).bone > kLeastBone;
+  const bool bone = hasBone(values);
   const double threshold = bone ? kBone : kSkin;
   const double visible = shareAbove(histogram, threshold);
   const HistogramFindings found{

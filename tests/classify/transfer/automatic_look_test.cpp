@@ -1,6 +1,7 @@
 // automaticLook on counts of the kinds of volumes that people have.
 #include "src/classify/transfer/automatic_look.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -161,6 +162,29 @@ TEST(AutomaticLook, aCtWithoutBoneShowsItsSkin) {
   EXPECT_THAT(look.transfer.name, HasSubstr("skin"));
   EXPECT_EQ(opacityAt(look.transfer, -900), 0);
   EXPECT_GT(opacityAt(look.transfer, 30), 0);
+}
+
+// Also one whose values end below those of bone, in any part of the picture.
+TEST(AutomaticLook, aCtOfSoftTissueAloneShowsItsSkinWhateverThePadding) {
+  for (const double padding : {0.0, -2000.0, -3024.0})
+    for (const int body : {9000, 40000, 300000}) {
+      SCOPED_TRACE(fmt::format("padding {} body {}", padding, body));
+      Draws draws;
+      draws.atLeast(-1e9).add(40000, -1000, 15).add(body, 40, 15).add(body / 4, -100, 15);
+      draws.add(2000, -850, 15);
+      if (padding < 0) draws.add(23000, padding, 0);
+      const AutomaticLook look = automaticLook(draws.counts());
+      EXPECT_THAT(look.transfer.name, HasSubstr("skin"));
+      for (const double hidden : {-3024.0, -2000.0, -1500.0, -1000.0, -700.0})
+        EXPECT_EQ(opacityAt(look.transfer, hidden), 0) << hidden;
+      EXPECT_GT(opacityAt(look.transfer, 30), 0);
+    }
+}
+
+TEST(AutomaticLook, aFieldOverTheValuesOfACtIsNone) {
+  Draws field;
+  for (int i = 0; i < 112; ++i) field.add(900, -1000 + 10 * i, 6);
+  EXPECT_THAT(automaticLook(field.counts()).transfer.name, Not(HasSubstr("CT")));
 }
 
 TEST(AutomaticLook, whatIsNoCtHasNoColoursOfBone) {
