@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <utility>
 
 #include "io/files/length_unit.h"
 #include "io/slices/description_numbers.h"
@@ -67,6 +68,16 @@ PageOrder imageJOrder(std::string_view text, int64_t pages, double pixels_x, dou
   const int64_t images = countOf(fields, "images");
   // A plain stack names images alone.
   if (planesOf(order) == 1) order.slices = images;
+  // More than ImageJ shows together. tifffile calls the slices of an array without named axes
+  // channels.
+  constexpr int64_t kMostChannels = 8;
+  if (order.channels > kMostChannels && order.slices == 1 && order.frames == 1) {
+    order.notes.push_back(fmt::format(
+        "its ImageJ description names {} channels of one slice, which are read as slices: tifffile "
+        "writes so without metadata={{'axes': 'ZYX'}}",
+        order.channels));
+    order.slices = std::exchange(order.channels, 1);
+  }
   const int64_t planes = planesOf(order);
   if (pages == 1 && planes > 1 && planes == images) {
     order.untold_pages = planes - 1;

@@ -12,6 +12,24 @@ namespace {
 
 using testing::HasSubstr;
 
+// tifffile writes an array of three axes as channels unless they have names.
+TEST(TiffDescription, moreChannelsThanImageJShowsAreSlices) {
+  const auto parse = [](int64_t channels) {
+    return parseTiffDescription(fmt::format("ImageJ=1.11a\nimages={0}\nchannels={0}\n"
+                                            "hyperstack=true\nmode=grayscale\n",
+                                            channels),
+                                channels, 1, 1);
+  };
+  const PageOrder many = parse(256);
+  EXPECT_EQ(many.slices, 256);
+  EXPECT_EQ(many.channels, 1);
+  EXPECT_EQ(many.slice_step, 1);
+  EXPECT_THAT(many.notes, testing::ElementsAre(HasSubstr("256 channels of one slice")));
+  const PageOrder few = parse(8);
+  EXPECT_EQ(few.channels, 8);
+  EXPECT_THAT(few.notes, testing::IsEmpty());
+}
+
 TEST(TiffDescription, lengthsThatAreNoneAreWarnedOf) {
   EXPECT_THAT(
       parseTiffDescription("ImageJ=1.53t\nimages=3\nslices=3\nunit=um\nspacing=nan\n", 3, 1, 1)
