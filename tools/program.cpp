@@ -56,13 +56,20 @@ std::vector<std::string> withoutHelpWord(const std::vector<std::string>& words) 
 }
 
 // "sluice render bonsai.nii.gz bonsai.png": the last word is a file to write, without its option.
-std::string missingOutputHint(const CLI::RequiredError& error,
+std::string missingOutputHint(const CLI::App& program, const CLI::RequiredError& error,
                               const std::vector<std::string>& words) {
   const std::string& last = words.back();
   std::error_code none;
   if (!std::string_view(error.what()).starts_with("--output") || last.starts_with("-") ||
       words.size() < 3 || std::filesystem::exists(last, none))
     return "";
+  // The value of an option names no picture: "-j 1".
+  const auto commands = program.get_subcommands(
+      [&](const CLI::App* command) { return command->get_name() == words.front(); });
+  for (const CLI::App* command : commands) {
+    const CLI::Option* const before = command->get_option_no_throw(words[words.size() - 2]);
+    if (before != nullptr && before->get_items_expected_max() > 0) return "";
+  }
   return fmt::format("; to write {}, give -o {}", last, last);
 }
 
@@ -100,7 +107,7 @@ int parseAndRun(const std::vector<std::string>& given, const Launch& launch) {
     say("{}\n", SLUICE_VERSION);
     return kDone;
   } catch (const CLI::RequiredError& error) {
-    return refuseTogether(launch, error.what() + missingOutputHint(error, words), kUsage);
+    return refuseTogether(launch, error.what() + missingOutputHint(program, error, words), kUsage);
   } catch (const CLI::ParseError& error) {
     return refuseTogether(launch, error.what(), kUsage);
   }

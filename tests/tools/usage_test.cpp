@@ -1,4 +1,5 @@
 // Wrong usage and bad input: one line that says what to do, and the status.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -10,6 +11,10 @@
 
 namespace sluice {
 namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
 
 // Options of drawing that would change nothing are in no help, and giving one is a warning.
 TEST(Usage, commandsSayWhichOptionsTheyIgnore) {
@@ -72,6 +77,17 @@ TEST(Usage, wrongUsageIsOneLineAndStatusTwo) {
     EXPECT_EQ(result.status, 2) << line << ": " << result.output;
     EXPECT_TRUE(isOneLine(result.output)) << result.output;
   }
+}
+
+TEST(Usage, aForgottenOutputIsTheLastWordUnlessItBelongsToAnOption) {
+  const Program program;
+  const auto said = [&](const std::string& words) {
+    return program.run("render synth:cube " + words).output;
+  };
+  EXPECT_THAT(said("a.png"), HasSubstr("--output is required; to write a.png, give -o a.png"));
+  EXPECT_THAT(said("-q a.png"), HasSubstr("to write a.png"));
+  for (const char* words : {"-j 1", "--threads 1", "--labels-table a.txt"})
+    EXPECT_THAT(said(words), AllOf(HasSubstr("--output is required"), Not(HasSubstr("to write"))));
 }
 
 TEST(Usage, badInputIsOneLineAndStatusOne) {
