@@ -1,3 +1,4 @@
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -13,6 +14,9 @@
 
 namespace sluice {
 namespace {
+
+using testing::HasSubstr;
+using testing::Not;
 
 TEST(Program, printsItsVersionAndHelp) {
   const Program program;
@@ -130,6 +134,27 @@ TEST(Program, infoGivesValuesTheirRangeHoweverLarge) {
   EXPECT_FLOAT_EQ(info["value_range"][1].get<float>(), 3e38F);
   EXPECT_NE(program.run("info v_8x8x8_float32.raw").output.find("are drawn as infinities"),
             std::string::npos);
+}
+
+// Values that follow by a factor have no digits of its rounding, and a background that no voxel has
+// is none.
+TEST(Program, infoGivesValuesThatTheDataHave) {
+  const Program program;
+  std::string voxels;
+  for (int i = 0; i < 8 * 8 * 8; ++i) {
+    const int value = 50 + i % 109;  // -5 to 5.8
+    voxels += {static_cast<char>(value), '\0'};
+  }
+  std::ofstream(program.folder / "v_8x8x8_int16.raw", std::ios::binary) << voxels;
+  ASSERT_EQ(program.run("pack v_8x8x8_int16.raw -o v.zarr -q").status, 0);
+  // Its array alone, as xarray writes one.
+  std::filesystem::rename(program.folder / "v.zarr/0", program.folder / "w.zarr");
+  writeFile(program.folder / "w.zarr/.zattrs",
+            R"({"_ARRAY_DIMENSIONS": ["z", "y", "x"], "scale_factor": 0.1, "add_offset": -10})");
+  const std::string info = program.run("info w.zarr").output;
+  EXPECT_THAT(info, HasSubstr("  values -5 to 5.8\n"));
+  EXPECT_THAT(info, HasSubstr(" a side\n"));
+  EXPECT_THAT(info, Not(HasSubstr("not all")));
 }
 
 TEST(Program, theSecondOpeningReadsTheIndex) {

@@ -110,13 +110,20 @@ std::string orientationText(const VolumeLayout& layout) {
   return "orientation not said";
 }
 
+// A value with the digits that the file's type and scale give it, and none of the rounding.
+std::string valueText(const VolumeLayout& layout, double value) {
+  if (layout.type == VoxelType::kF32) return fmt::format("{:.9g}", value);
+  const bool is_scaled = layout.value_scale != 1 || layout.value_offset != 0;
+  return is_scaled ? fmt::format("{:.12g}", value) : fmt::format("{}", value);
+}
+
 // The value of the blocks that are not held.
-std::string backgroundText(const SliceRanges& ranges) {
+std::string backgroundText(const VolumeLayout& layout, const SliceRanges& ranges) {
   const double device = ranges.background;
   // Infinities and NaN are kept as the largest floats (kLargest, kNotANumber).
   if (ranges.map.type == DeviceType::kF32 && std::abs(device) >= kLargest)
     return device <= kNotANumber ? "NaN" : device > 0 ? "inf" : "-inf";
-  return fmt::format("{}", ranges.map.valueOf(device));
+  return valueText(layout, ranges.map.valueOf(device));
 }
 
 void print(const IndexedVolume& volume, const ChosenLook& look) {
@@ -141,12 +148,16 @@ void print(const IndexedVolume& volume, const ChosenLook& look) {
   if (layout.grids.size() > 1) say("  --grid takes one of: {}\n", joined(layout.grids, ", "));
   const SliceRanges& ranges = volume.index->ranges;
   if (ranges.mayHoldNumbers())
-    say("  values {} to {}\n", range.lo, range.hi);
+    say("  values {} to {}\n", valueText(layout, range.lo), valueText(layout, range.hi));
   else
     say("  no value is a finite number\n");
   const int64_t blocks = volume.layout.blockCount();
-  say("  {} block{} of {} a side, {} of them not all {}\n", blocks, blocks == 1 ? "" : "s",
-      volume.layout.size, ranges.blocks.size(), backgroundText(ranges));
+  // If every block is held, no voxel needs to have the value of the others.
+  const auto held = static_cast<int64_t>(ranges.blocks.size());
+  say("  {} block{} of {} a side{}\n", blocks, blocks == 1 ? "" : "s", volume.layout.size,
+      held == blocks
+          ? std::string()
+          : fmt::format(", {} of them not all {}", held, backgroundText(layout, ranges)));
   // A look is chosen from the values.
   if (ranges.mayHoldNumbers())
     say("  look {}: {}{}\n", look.transfer.name, look.options(),
