@@ -48,6 +48,16 @@ std::string lengthUnit(std::string_view said) {
   return word;
 }
 
+bool isNgffUnit(std::string_view unit) {
+  constexpr std::string_view kNames[] = {
+      "angstrom",   "attometer",  "centimeter", "decimeter",  "exameter",   "femtometer",
+      "foot",       "gigameter",  "hectometer", "inch",       "kilometer",  "megameter",
+      "meter",      "micrometer", "mile",       "millimeter", "nanometer",  "parsec",
+      "petameter",  "picometer",  "terameter",  "yard",       "yoctometer", "yottameter",
+      "zeptometer", "zettameter"};
+  return std::ranges::find(kNames, unit) != std::end(kNames);
+}
+
 std::optional<double> metersOf(std::string_view unit) {
   const auto* const found = std::ranges::find(kUnits, unit, &Unit::name);
   return found == std::end(kUnits) ? std::nullopt : std::optional(found->meters);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <map>
 
 #include "tests/tools/program.h"
 
@@ -13,6 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using testing::HasSubstr;
+using testing::Not;
 
 // Takes a second or more on one thread: enough to be interrupted in.
 constexpr const char* kSlow = "synth:noise,dims=200x200x400,type=u16";
@@ -178,6 +180,23 @@ TEST(PackCommand, wrongUsageIsOneLine) {
               "sluice: c.zarr/.zarray: cannot be opened: Too many levels of symbolic links\n");
   }
   EXPECT_FALSE(program.exists("a.zarr"));
+}
+
+TEST(PackCommand, writesUnitsAsOmeZarrNamesThem) {
+  const Program program;
+  const auto packed = [&](const std::string& unit) {
+    return program.run("pack synth:cube,dims=9x9x9 -o u.zarr --force --unit " + unit).output;
+  };
+  for (const auto& [said, written] : std::map<std::string, std::string>{
+           {"um", "micrometer"}, {"MM", "millimeter"}, {"parsec", "parsec"}}) {
+    EXPECT_THAT(packed(said), Not(HasSubstr("warning"))) << said;
+    std::ifstream file(program.folder / "u.zarr/.zattrs");
+    const auto axes = nlohmann::json::parse(file)["multiscales"][0]["axes"];
+    EXPECT_EQ(axes.back()["unit"], written);
+  }
+  EXPECT_THAT(packed("furlong"),
+              HasSubstr("sluice: warning: u.zarr: its spacing has the unit \"furlong\", which is "
+                        "none of OME-Zarr's"));
 }
 
 // Names that a store cannot be renamed to are refused before the volume is packed.

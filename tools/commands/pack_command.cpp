@@ -12,6 +12,7 @@
 #include <span>
 #include <string>
 
+#include "io/files/length_unit.h"
 #include "io/zarr/packing/zarr_writer.h"
 #include "src/base/error.h"
 #include "src/base/threads/clock.h"
@@ -119,6 +120,15 @@ void noteScale(const VolumeLayout& layout, const std::string& output) {
       "{}: holds the stored numbers; values are these * {:g} + {:g}, as sluice and xarray read "
       "them (scale_factor, add_offset). Other programs show the stored numbers",
       output, layout.value_scale, layout.value_offset));
+}
+
+// Says that programs which read OME-Zarr may not know the unit of the spacing.
+void noteUnit(const std::string& unit, const std::string& output) {
+  if (unit.empty() || isNgffUnit(unit)) return;
+  printWarning(fmt::format(
+      "{}: its spacing has the unit \"{}\", which is none of OME-Zarr's; give --unit micrometer, "
+      "millimeter, nanometer or another one",
+      output, unit));
 }
 
 // Says once what is worth knowing of the channels' source, which the store will not tell.
@@ -241,7 +251,10 @@ int pack(const PackArguments& arguments) {
   const auto sources = openEachChannel(arguments.volume);
   if (!arguments.resources.quiet) {
     printNotes(sources);
-    noteScale(sources.front()->layout(), arguments.output);
+    const VolumeLayout& layout = sources.front()->layout();
+    noteScale(layout, arguments.output);
+    noteUnit(arguments.pack.unit.empty() ? layout.unit : lengthUnit(arguments.pack.unit),
+             arguments.output);
   }
   std::vector<VolumeSource*> channels;
   channels.reserve(sources.size());
@@ -354,8 +367,9 @@ Command addPack(CLI::App& program) {
                "How a voxel of a coarser level follows from finer ones: mean, max for --mode mip, "
                "min for minip, mode for labels. Several, as mean,max, make levels of each kind")
       ->default_str("mean");
-  store.text("--unit", "NAME", arguments->pack.unit,
-             "Unit of the spacing, if the file does not name it: micrometer, millimeter, ...");
+  store.text(
+      "--unit", "NAME", arguments->pack.unit,
+      "Unit of the spacing, if the file does not name it: micrometer or um, millimeter, ...");
   CLI::Option* verify = store.flag("--verify", arguments->pack.verify,
                                    "Reads the store again and compares every voxel");
   CLI::Option* force = store.flag("--force", arguments->pack.replace,

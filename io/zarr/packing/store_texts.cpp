@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <span>
 
+#include "io/files/length_unit.h"
 #include "io/zarr/levels/level_maker.h"
 #include "io/zarr/metadata/zarr_image.h"
 #include "src/base/sources/volume_channels.h"
@@ -53,7 +54,7 @@ StoreTexts storeTexts(ChannelSources channels, const PackOptions& options,
                       const std::vector<PackedArray>& arrays,
                       const std::vector<LevelShape>& levels) {
   VolumeLayout layout = channels.front()->layout();
-  if (!options.unit.empty()) layout.unit = options.unit;
+  if (!options.unit.empty()) layout.unit = lengthUnit(options.unit);
   const ZarrFormat format = options.shard_voxels ? ZarrFormat::k3 : ZarrFormat::k2;
   StoreTexts texts;
   texts.group = zarrGroupText(format);
