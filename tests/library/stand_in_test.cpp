@@ -31,7 +31,8 @@ TEST(StandIn, spreadsTellTheRangeOfTwoValues) {
       const MeanLevels levels(net, 4, Spreads::kKept);
       for (const CoarserLevel& level : levels.levels()) {
         const ValueRange means = meansOf(level);
-        const ValueRange range = rangeOfSpreads(level, means, 0, pool);
+        const Box3 cells = brickCells(level.source->layout().dims, std::nullopt);
+        const auto [range, bricks] = reachOfSpreads(level, means, cells, 0, pool);
         if (level.placement.scale.x > 2) {
           EXPECT_GT(means.hi - means.lo, 1);
           EXPECT_LT(means.hi - means.lo, 150);
@@ -47,8 +48,37 @@ TEST(StandIn, withoutSpreadTheRangeIsThatOfTheMeans) {
   FunctionSource steps(functionLayout({32, 32, 32}, VoxelType::kU8),
                        [](int64_t, Vec3i v) { return 10.0 * static_cast<double>(v.z / 8); });
   const MeanLevels levels(steps, 3, Spreads::kKept);
-  const ValueRange range = rangeOfSpreads(levels.levels()[1], {0, 30}, 0, pool);
+  const Box3 cells = brickCells(levels.levels()[1].source->layout().dims, std::nullopt);
+  const ValueRange range = reachOfSpreads(levels.levels()[1], {0, 30}, cells, 0, pool).range;
   EXPECT_EQ(range, (ValueRange{0, 30}));
+}
+
+// A fit looks at these bricks: a thin vessel shows by its spread, not by its mean.
+TEST(StandIn, bricksHaveTheValuesThatSpreadsAreDrawnWith) {
+  WorkerPool pool(2);
+  for (const VoxelType type : {VoxelType::kU8, VoxelType::kU16, VoxelType::kF32}) {
+    SCOPED_TRACE(name(type));
+    FunctionSource vessel(functionLayout({64, 64, 64}, type),
+                          [&](int64_t, Vec3i v) { return v.x == 40 && v.y == 24 ? 220.0 : 20.0; });
+    const MeanLevels levels(vessel, 3, Spreads::kKept);
+    const CoarserLevel& level = levels.levels()[1];
+    const Box3 cells = brickCells(level.source->layout().dims, std::nullopt);
+    const ValueRange means = meansOf(level);
+    EXPECT_LT(means.hi, 40);
+    const SpreadReach reach = reachOfSpreads(level, means, cells, 0, pool);
+    const Vec3i grid = reach.bricks.grid();
+    const auto shows = [&](Vec3i cell) {
+      const Vec3i brick = cell / reach.bricks.side;
+      const auto at = static_cast<size_t>((brick.z * grid.y + brick.y) * grid.x + brick.x);
+      return visitDeviceType(deviceMap(level.source->layout()).type, [&](auto tag) {
+        return static_cast<double>(reach.bricks.rangesAs<decltype(tag)>()[at].hi) > 100;
+      });
+    };
+    EXPECT_TRUE(shows({10, 6, 0}));
+    EXPECT_TRUE(shows({9, 5, 14})) << "interpolated from the vessel's voxels";
+    EXPECT_FALSE(shows({12, 6, 0}));
+    EXPECT_FALSE(shows({2, 2, 2}));
+  }
 }
 
 TEST(StandIn, theCoarsestLevelThatIsLargeEnoughStandsIn) {

@@ -103,6 +103,37 @@ TEST_F(CoarseFirst, thePictureIsNearlyTheOneThatIsDrawnWithTheIndex) {
   }
 }
 
+// Thin vessels, which the means of the level hide and its spreads show.
+TEST_F(CoarseFirst, theFitTakesInWhatSpreadsShow) {
+  constexpr int kSide = 128, kMiddle = 64;
+  std::string voxels;
+  for (int z = 0; z < kSide; ++z)
+    for (int y = 0; y < kSide; ++y)
+      for (int x = 0; x < kSide; ++x) {
+        const int off = (x == kMiddle ? 0 : 1) + (y == kMiddle ? 0 : 1) + (z == kMiddle ? 0 : 1);
+        const int far =
+            std::max({std::abs(x - kMiddle), std::abs(y - kMiddle), std::abs(z - kMiddle)});
+        const bool is_seen = far < 10 || (off <= 1 && far < 56);
+        voxels += static_cast<char>(is_seen ? 220 : 20);
+      }
+  writeFile(program_.folder / "t_128x128x128_uint8.raw", voxels);
+  run("pack t_128x128x128_uint8.raw -o t.zarr --levels 2");
+  removeIndex();
+  EXPECT_THAT(run("render t.zarr -o x.png --threshold 100 --opacity 1 --size 16 --azimuth 30"),
+              HasSubstr("the fit come from level 1"));
+  const Rgba8Picture drawn = picture();
+  int shown = 0;
+  for (int y = 0; y < 16; ++y)
+    for (int x = 0; x < 16; ++x) {
+      const int alpha = drawn.rgba[static_cast<size_t>(4 * (y * 16 + x) + 3)];
+      shown += alpha > 20 ? 1 : 0;
+      if (std::min(x, y) == 0 || std::max(x, y) == 15) {
+        EXPECT_LE(alpha, 20) << x << " " << y;
+      }
+    }
+  EXPECT_GT(shown, 20);
+}
+
 TEST_F(CoarseFirst, whatComesFromACoarseLevelIsSaid) {
   const std::string said = run(std::string("render v.zarr -o x.png ") + kLook + " --pixel-error 2");
   EXPECT_THAT(said, HasSubstr("level 0 has no index yet"));

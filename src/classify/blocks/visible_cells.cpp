@@ -97,15 +97,20 @@ class Row {
   Box3 last_;
 };
 
+// Whether planes cut the box of the bricks that show.
+enum class Cut { kByPlanes, kNone };
+
 template <class T>
 std::vector<Box3> visibleCellsAs(const SliceRanges& ranges, const BrickRanges& bricks,
-                                 const TransferFunction& transfer, const Box3& crop) {
+                                 const TransferFunction& transfer, const Box3& crop, Cut cut) {
   const Box3 all = boxOf(ranges.layout.dims - Vec3i{1, 1, 1});
   const T background = static_cast<T>(ranges.background);
   // Cells without bricks are background. If it shows, all of the volume may.
   if (bricks.cells != all && shows<T>(transfer, ranges.map, {background, background}))
     return {intersect(crop, all)};
-  const Box3 inside = intersect(crop, visibleSlabs<T>(ranges, bricks, transfer));
+  const Box3 slabs =
+      cut == Cut::kByPlanes ? visibleSlabs<T>(ranges, bricks, transfer) : bricks.cells;
+  const Box3 inside = intersect(crop, slabs);
   if (inside.empty()) return {};
   const Vec3i grid = bricks.grid();
   const auto each = bricks.rangesAs<T>();
@@ -129,7 +134,14 @@ std::vector<Box3> visibleCellsAs(const SliceRanges& ranges, const BrickRanges& b
 std::vector<Box3> visibleCells(const SliceRanges& ranges, const BrickRanges& bricks,
                                const TransferFunction& transfer, const Box3& crop) {
   return visitDeviceType(ranges.map.type, [&](auto tag) {
-    return visibleCellsAs<decltype(tag)>(ranges, bricks, transfer, crop);
+    return visibleCellsAs<decltype(tag)>(ranges, bricks, transfer, crop, Cut::kByPlanes);
+  });
+}
+
+std::vector<Box3> visibleBricks(const SliceRanges& ranges, const BrickRanges& bricks,
+                                const TransferFunction& transfer, const Box3& crop) {
+  return visitDeviceType(ranges.map.type, [&](auto tag) {
+    return visibleCellsAs<decltype(tag)>(ranges, bricks, transfer, crop, Cut::kNone);
   });
 }
 

@@ -21,6 +21,11 @@ namespace sluice {
 std::vector<Box3> visibleCells(const SliceRanges& ranges, const BrickRanges& bricks,
                                const TransferFunction& transfer, const Box3& crop);
 
+// The same for bricks that hold more values than `ranges`, which give their type and background
+// alone: larger than the hull by less than a brick along the axes, too.
+std::vector<Box3> visibleBricks(const SliceRanges& ranges, const BrickRanges& bricks,
+                                const TransferFunction& transfer, const Box3& crop);
+
 // Whether any value of lo..hi has an opacity above 0, whatever the gradient, or is a surface's.
 bool anyOpacity(const TransferFunction& transfer, double lo, double hi);
 

@@ -18,15 +18,20 @@ Box3 cellsUnder(const LevelLayout& level, const Box3& finest_cells, const Box3& 
 }
 
 // The cells of a coarse level that can show anything, among the finest ones. Beyond its outermost
-// voxels the level shows their values.
+// voxels the level shows their values. `reach`: its values with their spreads, which are drawn;
+// null: it has none.
 std::vector<Box3> cellsOfStandIn(const LevelLayout& level, const IndexedRanges& index,
-                                 const TransferFunction& transfer, const Box3& crop) {
+                                 const BrickRanges* reach, const TransferFunction& transfer,
+                                 const Box3& crop) {
   const Box3 all = boxOf(level.blocks.dims - Vec3i{1, 1, 1});
   std::vector<Box3> boxes;
   if (crop.empty()) return boxes;
   // The crop comes first: of cells in a row, the ends alone are told.
   const Box3 inside = cellsUnder(level, crop, all);
-  for (const Box3& cells : visibleCells(index.ranges, index.bricks, transfer, inside)) {
+  const std::vector<Box3> visible = reach == nullptr
+                                        ? visibleCells(index.ranges, index.bricks, transfer, inside)
+                                        : visibleBricks(index.ranges, *reach, transfer, inside);
+  for (const Box3& cells : visible) {
     Box3 box = level.cellsOver(cells);
     for (int a = 0; a < 3; ++a) {
       if (cells.lo[a] == all.lo[a]) box.lo[a] = crop.lo[a];
@@ -44,8 +49,8 @@ std::vector<Box3> shownCells(const IndexedVolume& volume, const StepValues& valu
                              const TransferFunction& transfer, const Box3& crop) {
   if (values.stand_in == nullptr)
     return visibleCells(values.index->ranges, values.index->bricks, transfer, crop);
-  return cellsOfStandIn(volume.pyramid->level(volume.stand_in_level), *values.stand_in, transfer,
-                        crop);
+  return cellsOfStandIn(volume.pyramid->level(volume.stand_in_level), *values.stand_in,
+                        values.reach.get(), transfer, crop);
 }
 
 Fit fitOf(const std::vector<Camera>& cameras, FitChoice choice) {

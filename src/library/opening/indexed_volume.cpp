@@ -159,6 +159,7 @@ uint64_t IndexedVolume::rangesBytes() const {
   uint64_t bytes = index->bytes() + (sample ? sample->held_bytes : 0);
   if (stand_in && stand_in->index != coarser[static_cast<size_t>(stand_in->level) - 1])
     bytes += stand_in->index->bytes();
+  if (stand_in && stand_in->reach != nullptr) bytes += stand_in->reach->bytes();
   for (const auto& level : coarser)
     if (level != nullptr) bytes += level->bytes();
   return bytes;

@@ -54,8 +54,12 @@ StandIn standInOf(const IndexedVolume& volume, int64_t time, const IndexPass& pa
   if (stand_in.index == nullptr) stand_in.index = indexOfLevel(volume, level, time, pass);
   stand_in.device_range = stand_in.index->ranges.device_range;
   const CoarserLevel& at = levelAt(volume, level);
-  if (at.spreads != nullptr && at.values != LevelValues::kModes)
-    stand_in.device_range = rangeOfSpreads(at, stand_in.device_range, time, pass.pool, pass.stop);
+  if (at.spreads != nullptr && at.values != LevelValues::kModes) {
+    SpreadReach reach = reachOfSpreads(at, stand_in.device_range, stand_in.index->bricks.cells,
+                                       time, pass.pool, pass.stop);
+    stand_in.device_range = reach.range;
+    stand_in.reach = std::make_shared<const BrickRanges>(std::move(reach.bricks));
+  }
   return stand_in;
 }
 
@@ -79,7 +83,9 @@ IndexedRanges unreadRanges(const IndexedVolume& volume, int64_t time, const Stan
 
 StepValues valuesOfStep(const IndexedVolume& volume, int64_t time, const IndexPass& pass) {
   if (time == volume.time && volume.index != nullptr)
-    return {volume.index, volume.stand_in ? volume.stand_in->index : nullptr};
+    return volume.stand_in
+               ? StepValues{volume.index, volume.stand_in->index, volume.stand_in->reach}
+               : StepValues{volume.index};
   StepValues values;
   const auto keep = [](IndexedRanges ranges) {
     return std::make_shared<const IndexedRanges>(std::move(ranges));
@@ -91,6 +97,7 @@ StepValues valuesOfStep(const IndexedVolume& volume, int64_t time, const IndexPa
   } else {
     const StandIn stand_in = standInOf(volume, time, pass);
     values.stand_in = stand_in.index;
+    values.reach = stand_in.reach;
     values.index = keep(unreadRanges(volume, time, stand_in));
   }
   return values;

@@ -16,7 +16,8 @@ class SideLevels;
 struct StepValues {
   std::shared_ptr<const IndexedRanges> index;
   // The index of the level that stands for it, if it was not read. Null: it was.
-  std::shared_ptr<const IndexedRanges> stand_in;
+  std::shared_ptr<const IndexedRanges> stand_in = {};
+  std::shared_ptr<const BrickRanges> reach = {};  // StandIn::reach
 };
 // The values of any step of the volume, known in the way in which its own step's are. Throws Error,
 // Interrupted.

@@ -4,7 +4,9 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <optional>
+#include <type_traits>
 #include <vector>
 
 #include "src/base/threads/mutex.h"
@@ -30,8 +32,44 @@ std::vector<T> deviceVoxels(VolumeSource& source, int64_t time, const Box3& box)
   return voxels;
 }
 
+// Values that lie `below` their mean at the farthest reach at least so far above it if they have
+// this spread: two values alone. Rounded means near the end would ask for too much.
+constexpr double kMostDeviations = 4;
+double leastReach(double spread, double below) {
+  const double deviation = spread / 2;
+  return std::min(deviation * deviation / std::max(below, 1e-300), kMostDeviations * deviation);
+}
+// How far such a voxel's values are taken to reach above its mean: evenly to both sides, or farther
+// if the range ends below, since uniform parts of lengths a and b have the variance a * b / 3.
+double drawnReach(double spread, double below) {
+  const double even = std::numbers::sqrt3 * spread / 2;
+  return below < even ? std::max(even, 3 * leastReach(spread, below)) : even;
+}
+
+// Adds the values that these voxels are drawn with to the bricks around them.
 template <class T>
-SpreadBins spreadsIn(const CoarserLevel& level, ValueRange means, int64_t time, const Box3& box) {
+void addReach(BrickRangesBuilder<T>& bricks, const std::vector<T>& mean,
+              const std::vector<T>& spread, ValueRange means, const Box3& box) {
+  std::vector<T> least(mean.size()), greatest(mean.size());
+  const auto within = [](double value) {
+    if constexpr (std::is_integral_v<T>)
+      value = std::clamp(value, 0.0, double{std::numeric_limits<T>::max()});
+    return static_cast<T>(value);
+  };
+  for (size_t i = 0; i < mean.size(); ++i) {
+    const auto middle = static_cast<double>(mean[i]), wide = static_cast<double>(spread[i]);
+    const bool is_value = middle >= means.lo && middle <= means.hi && wide > 0;
+    least[i] = is_value ? within(middle - drawnReach(wide, means.hi - middle)) : mean[i];
+    greatest[i] =
+        is_value ? within(std::ceil(middle + drawnReach(wide, middle - means.lo))) : mean[i];
+  }
+  bricks.add(least.data(), box);
+  bricks.add(greatest.data(), box);
+}
+
+template <class T>
+SpreadBins spreadsIn(const CoarserLevel& level, ValueRange means, int64_t time, const Box3& box,
+                     BrickRangesBuilder<T>& bricks) {
   const std::vector<T> mean = deviceVoxels<T>(*level.source, time, box);
   const std::vector<T> spread = deviceVoxels<T>(*level.spreads, time, box);
   const double bins_per_device = (kBins - 1) / std::max(means.hi - means.lo, 1e-300);
@@ -42,15 +80,8 @@ SpreadBins spreadsIn(const CoarserLevel& level, ValueRange means, int64_t time, 
     double& spread_of_bin = most[static_cast<size_t>(bin)];
     spread_of_bin = std::max(spread_of_bin, static_cast<double>(spread[i]));
   }
+  addReach(bricks, mean, spread, means, box);
   return most;
-}
-
-// Values that lie `below` their mean at the farthest reach at least so far above it if they have
-// this spread: two values alone. Rounded means near the end would ask for too much.
-double leastReach(double spread, double below) {
-  constexpr double kMostDeviations = 4;
-  const double deviation = spread / 2;
-  return std::min(deviation * deviation / std::max(below, 1e-300), kMostDeviations * deviation);
 }
 
 // The range of values that voxels of this device type can have.
@@ -74,11 +105,16 @@ int standInLevel(const PyramidLayout& pyramid) {
   return level;
 }
 
-ValueRange rangeOfSpreads(const CoarserLevel& level, ValueRange means, int64_t time,
-                          WorkerPool& pool, const StopToken& stop) {
+namespace {
+
+// The greatest spreads, and the bricks' values with them.
+template <class T>
+SpreadBins readSpreads(const CoarserLevel& level, ValueRange means, int64_t time, WorkerPool& pool,
+                       const StopToken& stop, BrickRanges& bricks) {
   const VolumeLayout& layout = level.source->layout();
   const auto countAlong = [&](int axis) { return (layout.dims[axis] + kReadSide - 1) / kReadSide; };
   const Vec3i reads{countAlong(0), countAlong(1), countAlong(2)};
+  BrickRangesBuilder<T> builder(bricks);
   SpreadBins most{};
   Mutex mutex;  // guards `most`
   // Threads that wait for a server cost nothing.
@@ -89,12 +125,26 @@ ValueRange rangeOfSpreads(const CoarserLevel& level, ValueRange means, int64_t t
     stop.throwIfStopped();
     const Vec3i lo = Vec3i{i % reads.x, i / reads.x % reads.y, i / (reads.x * reads.y)} * kReadSide;
     const Box3 box{lo, min(lo + Vec3i{kReadSide, kReadSide, kReadSide}, layout.dims)};
-    const SpreadBins found = visitDeviceType(deviceMap(layout).type, [&](auto tag) {
-      return spreadsIn<decltype(tag)>(level, means, time, box);
-    });
+    const SpreadBins found = spreadsIn<T>(level, means, time, box, builder);
     const MutexLock lock(mutex);
     for (size_t bin = 0; bin < kBins; ++bin) most[bin] = std::max(most[bin], found[bin]);
   });
+  bricks = builder.finish();
+  return most;
+}
+
+// Cuts the values of bricks to a range, which none leaves in pictures.
+template <class T>
+void cutTo(ValueRange range, BrickRanges& bricks) {
+  const auto lo = static_cast<T>(range.lo), hi = static_cast<T>(range.hi);
+  auto* const each = reinterpret_cast<PlaneRange<T>*>(bricks.ranges.data());
+  for (size_t i = 0; i < bricks.rangesAs<T>().size(); ++i)
+    if (each[i].lo <= each[i].hi)
+      each[i] = {std::clamp(each[i].lo, lo, hi), std::clamp(each[i].hi, lo, hi)};
+}
+
+// The range that means within `means` and these spreads ask for.
+ValueRange widened(ValueRange means, const SpreadBins& most) {
   const auto meanOf = [&](size_t bin) {
     return means.lo + (means.hi - means.lo) * static_cast<double>(bin) / (kBins - 1);
   };
@@ -115,8 +165,22 @@ ValueRange rangeOfSpreads(const CoarserLevel& level, ValueRange means, int64_t t
     widenDown();
     widenUp();
   }
-  const ValueRange all = valuesOf(deviceMap(layout).type);
-  return {std::max(range.lo, all.lo), std::min(range.hi, all.hi)};
+  return range;
+}
+
+}  // namespace
+
+SpreadReach reachOfSpreads(const CoarserLevel& level, ValueRange means, const Box3& cells,
+                           int64_t time, WorkerPool& pool, const StopToken& stop) {
+  const DeviceType type = deviceMap(level.source->layout()).type;
+  SpreadReach reach{{}, brickGrid(cells)};
+  const SpreadBins most = visitDeviceType(type, [&](auto tag) {
+    return readSpreads<decltype(tag)>(level, means, time, pool, stop, reach.bricks);
+  });
+  const ValueRange range = widened(means, most), all = valuesOf(type);
+  reach.range = {std::max(range.lo, all.lo), std::min(range.hi, all.hi)};
+  visitDeviceType(type, [&](auto tag) { cutTo<decltype(tag)>(reach.range, reach.bricks); });
+  return reach;
 }
 
 bool showsFinest(const TimeStep& step, const TransferFunction& transfer, FrameOptions frame,

@@ -23,6 +23,8 @@ struct StandIn {
   int level = 0;                               // counted from the finest, 0
   std::shared_ptr<const IndexedRanges> index;  // of the level's voxels, without their spreads
   ValueRange device_range;                     // of the finest level, estimated
+  // The values of the bricks of `index` with their spreads; null: the level has none.
+  std::shared_ptr<const BrickRanges> reach = {};
 };
 
 // A level with fewer voxels is no stand-in, if there is a larger one.
@@ -32,11 +34,18 @@ inline constexpr int64_t kLeastStandInVoxels = int64_t{1} << 21;
 // level 0. Requires: several levels.
 int standInLevel(const PyramidLayout& pyramid);
 
-// The range of values of which means and spreads may be: the means' own, widened so far that each
-// mean can have its spread if the other end of the range is right. `means` is their range. The
-// finest values may reach farther. Reads both sources once.
-ValueRange rangeOfSpreads(const CoarserLevel& level, ValueRange means, int64_t time,
-                          WorkerPool& pool, const StopToken& stop = {});
+struct SpreadReach {
+  // The values of which means and spreads may be: the means' own range, widened so far that each
+  // mean can have its spread if the other end of the range is right. The finest values may reach
+  // farther.
+  ValueRange range;
+  // The values that voxels are drawn with in each brick, see ExpectedLook: within `range`, perhaps
+  // more than those.
+  BrickRanges bricks;
+};
+// Reads both sources once. `means` is the range of the means, `cells` those that bricks cover.
+SpreadReach reachOfSpreads(const CoarserLevel& level, ValueRange means, const Box3& cells,
+                           int64_t time, WorkerPool& pool, const StopToken& stop = {});
 
 // Whether a picture from any of these cameras draws a part at the finest level. `step` may have
 // unknown blocks. Requires: frame.cut is set, several levels.
