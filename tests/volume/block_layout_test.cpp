@@ -132,7 +132,7 @@ TEST(BlockLayout, rejectsMoreBlocksThanCanBeCounted) {
 TEST(BlockLayoutDeathTest, aBlockIsAPowerOfTwoAndHoldsACell) {
   EXPECT_DEATH(blockLayout({5, 5, 5}, 6, 0), "check failed");
   EXPECT_DEATH(blockLayout({5, 5, 5}, 2, 1), "check failed");
-  EXPECT_DEATH(blockLayout({5, 5, 5}, 8, 3), "check failed");
+  EXPECT_DEATH(blockLayout({5, 5, 5}, 16, 4), "check failed");
 }
 
 TEST(BlockSizeFor, holdsOnePageAndNoSmallerPowerOfTwoDoes) {
