@@ -8,7 +8,6 @@
 
 #include "src/base/error.h"
 #include "src/device/pictures/depth_code.h"
-#include "src/device/shading/rough_light.h"
 #include "tests/support/plain_lighting.h"
 #include "tests/support/plain_rays.h"
 #include "tests/support/plain_sampling.h"
@@ -214,9 +213,11 @@ void PlainDevice::take(const PlainRay& ray, const BoxDraw& box, const ChunkTexel
     }
     Vec3d gradient;  // camera space, device values a world unit
     double difference_squares = 0, axis_squares = 0;
-    const bool is_wide =
-        chunk.has_spread && composite && !labels && hasWideTexels(box.texels.scale);
-    const std::optional<WideSlopes> wide = is_wide ? wideSlopesAt(chunk, texel) : std::nullopt;
+    const bool is_wide = chunk.has_spread && composite && !labels;
+    const Vec3d scale = box.texels.scale;
+    const double texel_voxels = std::pow(scale.x * scale.y * scale.z, -1.0 / 3);
+    const std::optional<WideSlopes> wide =
+        is_wide ? wideSlopesAt(chunk, texel, texel_voxels) : std::nullopt;
     if (setup_.lit || !look_up.magnitudes.empty())
       for (int a = 0; a < 3; ++a) {
         Vec3d after = texel, before = texel;
@@ -238,9 +239,7 @@ void PlainDevice::take(const PlainRay& ray, const BoxDraw& box, const ChunkTexel
     const double lengths = setup_.slice_length * ray.length;
     const auto opacityOf = [&](double one) {
       if (!shown) return 1 - std::pow(1 - one * factor, lengths);
-      const Vec3d scale = box.texels.scale;
-      return sharedOpacity(one * factor, shown->part, lengths,
-                           std::pow(scale.x * scale.y * scale.z, -1.0 / 3));
+      return sharedOpacity(one * factor, shown->part, lengths, texel_voxels);
     };
     double opacity = opacityOf(rgba[3]);
     Vec3d rgb{rgba[0], rgba[1], rgba[2]};
@@ -265,12 +264,17 @@ void PlainDevice::take(const PlainRay& ray, const BoxDraw& box, const ChunkTexel
         gradient = gradient + setup_.camera_gradient[axis] * (slopes[a] * box.texels.scale[a]);
       }
     }
-    // A fifth of the variance beyond that of an even slope, along each axis.
+    // A fifth of the variance beyond that of an even slope, along each axis; of noise, by the
+    // voxel.
     const double counted = wide ? wide->spread : spread;
-    const double rough = std::max(0.0, counted * counted / 4 - difference_squares / 12) / 5;
+    const double noise = wide ? wide->noise * texel_voxels : 0;
+    const double rough =
+        std::max(0.0, counted * counted / 4 - difference_squares / 12) / 5 + 0.08 * noise * noise;
     if (setup_.lit)
-      rgb = litPlainly(setup_, p, rgb, {gradient, rough * axis_squares, wide ? wide->here : 1},
-                       setup_.flat);
+      rgb =
+          litPlainly(setup_, p, rgb,
+                     {gradient, rough * axis_squares, wide ? wide->here : 1, wide ? wide->seen : 1},
+                     setup_.flat);
     const Sample sample{rgb, opacity,
                         setup_.first_depth + (k + ray.jitter + 0.5) * setup_.depth_step};
     if (setup_.has_surfaces)

@@ -35,7 +35,7 @@ std::array<double, 2> arrivingAt(const LightVolume& light, Vec3d at) {
 
 Vec3d litPlainly(const FrameSetup& setup, Vec3d at, Vec3d rgb, const PlainSlopes& slopes,
                  double flatness) {
-  const auto& [gradient, rough, here] = slopes;
+  const auto& [gradient, rough, here, seen] = slopes;
   const Lighting& lighting = setup.lighting;
   const auto [key, open] =
       setup.light != nullptr ? arrivingAt(*setup.light, at) : std::array<double, 2>{1, 1};
@@ -57,7 +57,7 @@ Vec3d litPlainly(const FrameSetup& setup, Vec3d at, Vec3d rgb, const PlainSlopes
     shine += lighting.specular * strength * mirrored;
   }
   const Vec3d lit = rgb * bright + Vec3d{shine, shine, shine};
-  const double w = squared / (squared + flatness * flatness);
+  const double w = (seen * along + rough) / (squared + flatness * flatness);
   return plain * (1 - w) + lit * w;
 }
 

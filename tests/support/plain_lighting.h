@@ -10,7 +10,9 @@ namespace sluice {
 struct PlainSlopes {
   Vec3d gradient;
   double rough = 0;
-  double here = 1;  // the share of the gradient's square that counts, see rough_light.h
+  // See rough_light.h: what counts of the gradient's square, and the share of that whose light is
+  // seen.
+  double here = 1, seen = 1;
 };
 
 // The colour `rgb` of a sample at an index position, lit as lighting.h and rough_light.h say.

@@ -127,6 +127,22 @@ Vec3d sobelAt(Vec3d at, const NumberOf& number_of) {
     });
   return slopes;
 }
+// The least of the same texels: along each axis the least of four, the outer ones as
+// rough_light.h says; then along the next axis.
+template <class NumberOf>
+double leastAt(Vec3d at, const NumberOf& number_of, int axis = 2, Vec3i cell = {}) {
+  if (axis < 0) return number_of(cell);
+  const auto low = static_cast<int64_t>(std::floor(at[axis]));
+  std::array<double, 4> four{};
+  for (size_t i = 0; i < four.size(); ++i) {
+    cell[axis] = low + static_cast<int64_t>(i) - 1;
+    four[i] = leastAt(at, number_of, axis - 1, cell);
+  }
+  const double part = at[axis] - static_cast<double>(low);
+  const double after = std::max(0.0, 2 * part - 1), before = std::max(0.0, 1 - 2 * part);
+  return std::min(
+      {std::lerp(four[0], four[1], after), four[1], four[2], std::lerp(four[3], four[2], before)});
+}
 // The mean of the same texels by 1/4, 1/2 and 1/4 along each axis.
 template <class NumberOf>
 double smoothedAt(Vec3d at, const NumberOf& number_of) {
@@ -206,7 +222,7 @@ Vec3d labelSlopesAt(const ChunkTexels& chunk, const LookUp& look_up, Vec3d at) {
   return sobelAt(at, opacityOf);
 }
 
-std::optional<WideSlopes> wideSlopesAt(const ChunkTexels& chunk, Vec3d at) {
+std::optional<WideSlopes> wideSlopesAt(const ChunkTexels& chunk, Vec3d at, double texel_voxels) {
   const Vec3i cell{static_cast<int64_t>(std::floor(at.x)), static_cast<int64_t>(std::floor(at.y)),
                    static_cast<int64_t>(std::floor(at.z))};
   for (int64_t i = 0; i < 64; ++i)
@@ -219,13 +235,29 @@ std::optional<WideSlopes> wideSlopesAt(const ChunkTexels& chunk, Vec3d at) {
   };
   const Vec3d slopes = sobelAt(at, meanOf);
   const double mean = smoothedAt(at, meanOf);
-  const double variance = smoothedAt(at, squareOf) - mean * mean;
+  const double variance = std::max(0.0, smoothedAt(at, squareOf) - mean * mean);
   const double spread = spreadAt(chunk, at);
+  const double bottom = leastAt(at, meanOf);
+  const double height = -leastAt(at, [&](Vec3i texel) { return -meanOf(texel); }) - bottom;
+  const double calm =
+      leastAt(at, [&](Vec3i texel) { return std::max(texelAt(chunk, texel, 1), 0.0); });
+
+  // Of values alike there is no edge.
+  const double full = height > 0 ? std::clamp((mean - bottom) / height, 0.02, 1.0) : 1;
+  const double of_edge =
+      height > 0 ? variance / (height * height * std::max(full * (1 - full), 1e-3)) : 0;
+  const double sharp = std::clamp((of_edge - 0.2) / (0.7 - 0.2), 0.0, 1.0);
+  // Ten voxels.
+  const double layer = height > 0 ? 10 / texel_voxels * length(slopes) / height : 1;
+  const double narrow = std::max(0.01, std::lerp(1, std::min(1.0, layer), sharp));
   // A spread is twice the deviation, whose square counts twice.
   const double even = dot(slopes, slopes), own = even * 5 / 6 + 2 * (spread / 2) * (spread / 2);
   const double here = variance > 0 ? std::pow(std::min(1.0, own / variance), 3) : 1.0;
-  return WideSlopes{slopes, here,
-                    std::min(spread, std::sqrt(std::max(0.0, 4 * variance - 3 * even)))};
+  const double counted = std::min(spread * spread, std::max(0.0, 4 * variance - 3 * even));
+  const double noise = std::max(0.0, std::min(calm * calm, counted) - even / 3);
+  return WideSlopes{slopes, std::lerp(here, 1, sharp) / (narrow * narrow),
+                    std::lerp(1, std::min(1.0, layer / (2 * full)), sharp), std::sqrt(counted),
+                    std::sqrt(noise)};
 }
 
 MeanLook::MeanLook(const LookUp& look_up) {

@@ -38,15 +38,15 @@ double sharedOpacity(double opacity, double part, double lengths, double voxel);
 // one label alone shows in the 4 x 4 x 4 texels around, of its opacity times the share that shows.
 Vec3d labelSlopesAt(const ChunkTexels& chunk, const LookUp& look_up, Vec3d at);
 
-// Light falls on this where texels stand for many values each and are wide, see rough_light.h: the
-// change of the means from texel to texel along each axis, the share of its square that is at the
-// place, and the spread; nothing where one of the 4 x 4 x 4 texels around is no number.
+// Light falls on this where texels stand for many values each, see rough_light.h: the change of the
+// means from texel to texel along each axis, what counts of its square, the share of that whose
+// light is seen, what counts of the spread, and noise; nothing where one of the 4 x 4 x 4 texels
+// around is no number. `texel_voxels`: the side of a cube as large as a texel, in voxels.
 struct WideSlopes {
   Vec3d slopes;
-  double here = 0;
-  double spread = 0;  // what counts of it
+  double here = 0, seen = 0, spread = 0, noise = 0;
 };
-std::optional<WideSlopes> wideSlopesAt(const ChunkTexels& chunk, Vec3d at);
+std::optional<WideSlopes> wideSlopesAt(const ChunkTexels& chunk, Vec3d at, double texel_voxels);
 
 // The table's entry of a device value, interpolated between two entries if it interpolates.
 std::array<double, 4> lookedUp(const LookUp& look_up, double value, bool interpolates);

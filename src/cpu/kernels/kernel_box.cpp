@@ -87,7 +87,8 @@ TexelSpan texelsOf(const BoxDraw& box, Vec3i storage) {
 void setScale(const FrameSetup& setup, const BoxDraw& box, KernelBox& out) {
   const Vec3d from = box.texels(toDouble(box.cells.lo));
   out.texel_length = static_cast<float>(texelLength(box.texels.scale));
-  out.has_wide_texels = hasWideTexels(box.texels.scale);
+  out.edge_texels = static_cast<float>(edgeTexels(box.texels.scale));
+  out.noise_part = static_cast<float>(noisePart(box.texels.scale));
   for (int a = 0; a < 3; ++a) {
     const auto i = static_cast<size_t>(a), axis = static_cast<size_t>(box.texels.axes[i]);
     out.texel_scale[axis] = static_cast<float>(box.texels.scale[a]);

@@ -137,8 +137,9 @@ struct KernelBox {
   bool has_margin = false;            // a texel more on every side
   // Device values a world unit, camera space, of a value more a texel along each texel axis.
   std::array<Float3, 3> gradient{};
-  float gradient_squares = 0;    // the sum of the squares of their lengths
-  bool has_wide_texels = false;  // see rough_light.h
+  float gradient_squares = 0;  // the sum of the squares of their lengths
+  // See rough_light.h: kEdgeVoxels in texels, and kNoisePart of values a texel.
+  float edge_texels = 0, noise_part = 0;
   // Texel coordinates of the frame's light, along the volume's axes: texel coordinates along the
   // chunk's axes light_axes * light_scale + light_start.
   std::array<int, 3> light_axes{0, 1, 2};

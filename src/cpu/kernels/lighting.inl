@@ -18,22 +18,22 @@ HWY_INLINE V shine(const KernelFrame& frame, V x) {
 struct Gradient {
   V3 g;
   V unit, squared;
-  // See rough_light.h: the square of the slopes in all directions, 0 without spreads, and the share
-  // of `squared` that is at the place.
-  V rough, here;
+  // See rough_light.h: the square of the slopes in all directions, 0 without spreads; what counts
+  // of `squared`, and the share of that whose light is seen.
+  V rough, here, seen;
 };
 HWY_INLINE V squareOf(const V3& v) {
   return hn::MulAdd(v.z, v.z, hn::MulAdd(v.y, v.y, hn::Mul(v.x, v.x)));
 }
-// kRough: of a texel with this spread.
+// kRough: of a texel with this spread and this noise.
 template <bool kRough = false>
 HWY_INLINE Gradient gradientOf(const KernelBox& box, V3 difference, V spread = hn::Zero(F()),
-                               V here = all(1.0F)) {
+                               V noise = hn::Zero(F())) {
   // Computed in units of the steepest axis, since squares of the values themselves may overflow.
   V unit = hn::Max(
       hn::Max(hn::Abs(difference.x), hn::Max(hn::Abs(difference.y), hn::Abs(difference.z))),
       all(1e-30F));
-  if constexpr (kRough) unit = hn::Max(unit, spread);
+  if constexpr (kRough) unit = hn::Max(unit, hn::Max(spread, noise));
   const V scale = hn::Div(all(1.0F), unit);
   difference = {hn::Mul(difference.x, scale), hn::Mul(difference.y, scale),
                 hn::Mul(difference.z, scale)};
@@ -45,9 +45,11 @@ HWY_INLINE Gradient gradientOf(const KernelBox& box, V3 difference, V spread = h
     const V share = hn::Mul(spread, scale);
     const V square = hn::Mul(all(static_cast<float>(kSpreadPart)), hn::Mul(share, share));
     const V left = hn::NegMulAdd(all(static_cast<float>(kSlopePart)), squareOf(difference), square);
-    rough = hn::Mul(all(box.gradient_squares), hn::Max(left, rough));
+    const V still = hn::Mul(noise, scale);
+    const V steep = hn::Mul(all(box.noise_part), hn::Mul(still, still));
+    rough = hn::Mul(all(box.gradient_squares), hn::Add(hn::Max(left, rough), steep));
   }
-  return {g, unit, squareOf(g), rough, here};
+  return {g, unit, squareOf(g), rough, all(1.0F), all(1.0F)};
 }
 
 // The shares of light that arrive at a sample, see LightVolume.
@@ -135,10 +137,12 @@ HWY_INLINE Color shaded(const KernelFrame& frame, const KernelBox& box, const V3
       even_specular = hn::MulAdd(share, all(frame.even_specular[i]), even_specular);
     }
   }
-  V ambient = all(frame.ambient), squared = gradient.squared;
+  V ambient = all(frame.ambient), squared = gradient.squared, seen = squared;
   if (!all_arrives) ambient = hn::Mul(light.open, ambient);
   if constexpr (kRough) {
-    squared = hn::MulAdd(squared, gradient.here, gradient.rough);
+    const V counted = hn::Mul(squared, gradient.here);
+    squared = hn::Add(counted, gradient.rough);
+    seen = hn::MulAdd(counted, gradient.seen, gradient.rough);
     const V even = hn::Div(gradient.rough, hn::Max(squared, all(1e-37F)));
     const V directed = hn::Sub(one, even);
     ambient = hn::MulAdd(even, even_diffuse, ambient);
@@ -148,7 +152,7 @@ HWY_INLINE Color shaded(const KernelFrame& frame, const KernelBox& box, const V3
   const V bright = hn::MulAdd(to_unit, diffuse, ambient);
   const V gleam = hn::Mul(color.a, specular);
   const V flat = hn::Div(all(flatness), gradient.unit);
-  const V part = hn::Div(squared, hn::Max(hn::MulAdd(flat, flat, squared), all(1e-37F)));
+  const V part = hn::Div(seen, hn::Max(hn::MulAdd(flat, flat, squared), all(1e-37F)));
   V rest = hn::Sub(one, part);
   if (!all_arrives)
     rest = hn::Mul(rest, between(light.open, light.key, all(frame.key_share),

@@ -66,12 +66,13 @@ template <DeviceType kType, Shading kShading>
 HWY_INLINE Gradient sampleGradient(const KernelFrame& frame, const KernelBox& box, const V3& at,
                                    const Place& place, V square) {
   if constexpr (hasSpreads(kShading)) {
-    const WideSlopes wide =
-        box.has_wide_texels
-            ? wideSlopesAt<kType>(frame, box, at, place, square)
-            : WideSlopes{differencesOf<kType, kShading>(box, at, place), all(1.0F), square};
-    const V spread = hn::Mul(hn::Sqrt(wide.square), all(frame.spread_unit));
-    return gradientOf<true>(box, wide.slopes, spread, wide.here);
+    const WideSlopes wide = wideSlopesAt<kType>(frame, box, at, place, square);
+    const V unit = all(frame.spread_unit);
+    Gradient gradient = gradientOf<true>(box, wide.slopes, hn::Mul(hn::Sqrt(wide.square), unit),
+                                         hn::Mul(hn::Sqrt(wide.noise), unit));
+    gradient.here = wide.here;
+    gradient.seen = wide.seen;
+    return gradient;
   }
   return gradientOf(box, differencesOf<kType, kShading>(box, at, place));
 }

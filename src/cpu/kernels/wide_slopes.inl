@@ -51,11 +51,34 @@ struct SpreadRow {
 // Beyond it lie values that stand for infinities. Its square is a float.
 constexpr float kFarShare = 1e15F;
 
+// The first and the last of four texels along an axis, around a place between the second and the
+// third: while the place moves from the middle to the farther one, they become their neighbours, so
+// that the least and the greatest of the four do not jump from cell to cell.
+struct FourAround {
+  V first, second, third, last;
+};
+HWY_INLINE FourAround fourAround(const V (&four)[4], V part) {
+  const V twice = hn::Add(part, part), one = all(1.0F), none = hn::Zero(F());
+  const V after = hn::Max(none, hn::Sub(twice, one)), before = hn::Max(none, hn::Sub(one, twice));
+  return {hn::MulAdd(after, hn::Sub(four[1], four[0]), four[0]), four[1], four[2],
+          hn::MulAdd(before, hn::Sub(four[2], four[3]), four[3])};
+}
+HWY_INLINE V leastAround(const V (&four)[4], V part) {
+  const FourAround around = fourAround(four, part);
+  return hn::Min(hn::Min(around.first, around.second), hn::Min(around.third, around.last));
+}
+HWY_INLINE V greatestAround(const V (&four)[4], V part) {
+  const FourAround around = fourAround(four, part);
+  return hn::Max(hn::Max(around.first, around.second), hn::Max(around.third, around.last));
+}
+
 // The sums over the 64 texels around a place.
 struct WideSums {
   V3 slopes;
-  V mean, squares;  // the weighted mean of the values and of their squares
-  V least;          // of the means, of floats
+  V mean, squares;          // the weighted mean of the values and of their squares
+  V bottom, top;            // the least and the greatest mean
+  V calm;                   // the least spread
+  V least;                  // of the means, of floats
 };
 // `row_of(j, k)`: a SpreadRow of row j in plane k. In shares of the volume's values, from the first
 // texel of the cell on: squares of values may overflow, and small differences would be lost.
@@ -66,11 +89,13 @@ HWY_INLINE WideSums wideSums(const KernelFrame& frame, const Place& place, V fir
                      z = sobelWeights(place.fz);
   const V none = hn::Zero(F()), unit = all(frame.spread_scale),
           half = all(0.5F * frame.spread_scale), origin = hn::Mul(first, unit);
-  WideSums sums{{none, none, none}, none, none, first};
-  for (int k = 0; k < 4; ++k)
+  WideSums sums{{none, none, none}, none, none, none, none, none, first};
+  V bottoms[4], tops[4], calms[4];  // of planes
+  for (int k = 0; k < 4; ++k) {
+    V lows[4], highs[4], stills[4];  // of rows
     for (int j = 0; j < 4; ++j) {
       const SpreadRow row = row_of(j, k);
-      V slope = none, mean = none, squares = none;
+      V slope = none, mean = none, squares = none, values[4], spreads[4];
       for (int i = 0; i < 4; ++i) {
         V value = hn::MulSub(row.mean[i], unit, origin);
         if constexpr (kType == DeviceType::kF32)
@@ -81,6 +106,8 @@ HWY_INLINE WideSums wideSums(const KernelFrame& frame, const Place& place, V fir
           sums.least = hn::Min(sums.least, row.mean[i]);
         }
         const V deviation = hn::Mul(spread, half);
+        values[i] = value;
+        spreads[i] = spread;
         slope = hn::MulAdd(x.slope[i], value, slope);
         mean = hn::MulAdd(x.mean[i], value, mean);
         squares = hn::MulAdd(
@@ -92,7 +119,17 @@ HWY_INLINE WideSums wideSums(const KernelFrame& frame, const Place& place, V fir
       sums.slopes.z = hn::MulAdd(hn::Mul(y.mean[j], z.slope[k]), mean, sums.slopes.z);
       sums.mean = hn::MulAdd(across, mean, sums.mean);
       sums.squares = hn::MulAdd(across, squares, sums.squares);
+      lows[j] = leastAround(values, place.fx);
+      highs[j] = greatestAround(values, place.fx);
+      stills[j] = leastAround(spreads, place.fx);
     }
+    bottoms[k] = leastAround(lows, place.fy);
+    tops[k] = greatestAround(highs, place.fy);
+    calms[k] = leastAround(stills, place.fy);
+  }
+  sums.bottom = leastAround(bottoms, place.fz);
+  sums.top = greatestAround(tops, place.fz);
+  sums.calm = hn::Mul(leastAround(calms, place.fz), unit);
   return sums;
 }
 
@@ -161,38 +198,61 @@ HWY_NOINLINE WideSums wideSumsWithoutMargin(const KernelFrame& frame, const Kern
   });
 }
 
-// The slopes from texel to texel along each axis, the share of their square that is at the place,
-// and what counts there of `square`, that of the spread as spreadAt() returns it.
+// See rough_light.h: the slopes from texel to texel along each axis, what counts of their square,
+// and the share of that whose light is seen. `square`: what counts of the square of the spread, as
+// spreadAt() returns it; `noise`: the same of the least spread.
 struct WideSlopes {
   V3 slopes;
-  V here, square;
+  V here, seen, square, noise;
 };
 template <DeviceType kType>
 HWY_NOINLINE WideSlopes wideSlopesAt(const KernelFrame& frame, const KernelBox& box, V3 at,
                                      Place place, V square) {
   const WideSums sums = box.has_margin ? wideSumsWithMargin<kType>(frame, box, place)
                                        : wideSumsWithoutMargin<kType>(frame, box, at, place);
-  const V variance = hn::NegMulAdd(sums.mean, sums.mean, sums.squares), one = all(1.0F);
+  const auto number = [](double n) { return all(static_cast<float>(n)); };
+  const V one = all(1.0F), none = hn::Zero(F());
+  const V variance = hn::Max(hn::NegMulAdd(sums.mean, sums.mean, sums.squares), none);
   const V even = squareOf(sums.slopes);
-  const V own = hn::MulAdd(all(static_cast<float>(kEvenPart)), even,
-                           hn::Mul(all(static_cast<float>(kOwnPart)), square));
-  const V most = hn::NegMulAdd(all(static_cast<float>(kEdgePart)), even,
-                               hn::Mul(all(4.0F), variance));
+
+  const V height = hn::Max(hn::Sub(sums.top, sums.bottom), number(kLeastHeight));
+  const V part = hn::Min(
+      one, hn::Max(hn::Div(hn::Sub(sums.mean, sums.bottom), height), number(kLeastPart)));
+  const V product = hn::Max(hn::Mul(part, hn::Sub(one, part)), number(kLeastProduct));
+  const V of_edge = hn::Div(variance, hn::Mul(hn::Mul(height, height), product));
+  const V sharp = hn::Min(one, hn::Max(none, hn::Mul(hn::Sub(of_edge, number(kSoftShare)),
+                                                     number(1 / (kSharpShare - kSoftShare)))));
+  const V layer = hn::Div(hn::Mul(hn::Sqrt(even), all(box.edge_texels)), height);
+  const auto ifSharp = [&](V wanted, V otherwise) {
+    return hn::MulAdd(sharp, hn::Sub(wanted, otherwise), otherwise);
+  };
+  const V narrow = hn::Max(ifSharp(hn::Min(one, layer), one), number(kLeastLayer));
+  const V seen = ifSharp(hn::Min(one, hn::Div(layer, hn::Add(part, part))), one);
+
+  const V own = hn::MulAdd(number(kEvenPart), even, hn::Mul(number(kOwnPart), square));
   const V share = hn::Min(one, hn::Div(own, hn::Max(variance, all(1e-12F))));
+  const V here = ifSharp(one, hn::Mul(share, hn::Mul(share, share)));
+  const V most = hn::NegMulAdd(number(kEdgePart), even, hn::Mul(all(4.0F), variance));
+  const V counted = hn::Min(square, hn::Max(most, none));
+  const V still = hn::Min(counted, hn::Mul(sums.calm, sums.calm));
   const V unit = all(frame.spread_unit);
   WideSlopes wide{{hn::Mul(unit, sums.slopes.x), hn::Mul(unit, sums.slopes.y),
                    hn::Mul(unit, sums.slopes.z)},
-                  hn::Mul(share, hn::Mul(share, share)),
-                  hn::Min(square, hn::Max(most, hn::Zero(F())))};
+                  hn::Div(here, hn::Mul(narrow, narrow)),
+                  seen,
+                  counted,
+                  hn::Max(none, hn::NegMulAdd(number(kSlopePart / kSpreadPart), even, still))};
   if constexpr (kType == DeviceType::kF32) {
-    const M none = isNoNumber(sums.least);
-    if (hn::AllFalse(F(), none)) return wide;
+    const M is_none = isNoNumber(sums.least);
+    if (hn::AllFalse(F(), is_none)) return wide;
     const V3 near = differencesWithoutMargin<kType, true>(box, at);
-    wide = {{hn::IfThenElse(none, near.x, wide.slopes.x),
-             hn::IfThenElse(none, near.y, wide.slopes.y),
-             hn::IfThenElse(none, near.z, wide.slopes.z)},
-            hn::IfThenElse(none, one, wide.here),
-            hn::IfThenElse(none, square, wide.square)};
+    wide = {{hn::IfThenElse(is_none, near.x, wide.slopes.x),
+             hn::IfThenElse(is_none, near.y, wide.slopes.y),
+             hn::IfThenElse(is_none, near.z, wide.slopes.z)},
+            hn::IfThenElse(is_none, one, wide.here),
+            hn::IfThenElse(is_none, one, wide.seen),
+            hn::IfThenElse(is_none, square, wide.square),
+            hn::IfThenElse(is_none, none, wide.noise)};
   }
   return wide;
 }

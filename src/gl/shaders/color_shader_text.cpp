@@ -178,20 +178,23 @@ vec2 shine(vec2 x) {
 }
 
 #if SPREAD
-uniform vec2 rough_parts;  // of the squares of a spread and of a difference, see kSpreadPart
+// Of the squares of a spread, of a difference and of noise, see kSpreadPart and kNoisePart.
+uniform vec3 rough_parts;
 uniform vec4 even_light;   // evenDiffuse() and evenSpecular() of each light
 
-// The square of the slopes in all directions, for a spread and a difference in one unit.
-float roughOf(vec3 difference, float spread) {
+// The square of the slopes in all directions, for a spread, a difference and noise in one unit.
+float roughOf(vec3 difference, float spread, float noise) {
   vec2 squares = vec2(spread * spread, dot(difference, difference));
-  return dot(slope, slope) * max(dot(rough_parts, squares), 0.0);
+  float of_voxels = texelLength() * noise;
+  return dot(slope, slope) *
+         (max(dot(rough_parts.xy, squares), 0.0) + rough_parts.z * of_voxels * of_voxels);
 }
 #endif
 
 // `color` premultiplied; `squared`, `rough` (0 without spreads) and `flatness` squares of lengths
-// of gradients in one unit; `here`: the share of `squared` that counts; `light_at`: the place in
-// the light volume.
-vec4 shade(vec4 color, vec3 difference, float squared, float here, float rough, float flatness,
+// of gradients in one unit; `counts`: what counts of `squared`, and the share of that whose light is
+// seen; `light_at`: the place in the light volume.
+vec4 shade(vec4 color, vec3 difference, float squared, vec2 counts, float rough, float flatness,
            vec3 light_at) {
   float to_unit = inversesqrt(max(squared, 1e-37));
   vec2 facing = abs(vec2(dot(difference, toward0), dot(difference, toward1)));
@@ -206,15 +209,18 @@ vec4 shade(vec4 color, vec3 difference, float squared, float here, float rough, 
 #endif
   float diffuse = to_unit * (facing.x + facing.y);
   float specular = dot(reflection.xy * arriving, shine(to_unit * mirrored));
+  float seen = squared;
 #if SPREAD
-  squared = squared * here + rough;
+  float counted = squared * counts.x;
+  squared = counted + rough;
+  seen = counted * counts.y + rough;
   vec2 even = vec2(dot(even_light.xy, arriving), dot(even_light.zw, arriving));
   vec2 both = mix(vec2(diffuse, specular), even, rough / max(squared, 1e-37));
   diffuse = both.x;
   specular = both.y;
 #endif
   vec3 lit = color.rgb * (reflection.z * arriving.y + diffuse) + color.a * specular;
-  return vec4(mix(plain, lit, squared / max(squared + flatness, 1e-37)), color.a);
+  return vec4(mix(plain, lit, seen / max(squared + flatness, 1e-37)), color.a);
 }
 #endif
 
@@ -253,26 +259,22 @@ vec4 shownColor(vec4 color, float value, float part, float entry, vec3 at, float
 #if GRADIENTS
 #if LABELS && GRADIENT_ROWS == 0
   vec3 difference = labelSlopes(at);
-#elif WIDE
-  float rough_share = share;
-  vec4 wide = wideSlopes(at, rough_share);
-  vec3 difference = wide.xyz;
+#elif SPREAD
+  WideSlopes wide = wideSlopes(at, share);
+  vec3 difference = wide.slopes;
 #else
   vec3 difference = differenceAt(at);
 #endif
   float unit = 1.0;
 #if SPREAD
-#if WIDE
-  float spread = rough_share / max(expected_line.z, 1e-37);
-#else
-  float spread = share / max(expected_line.z, 1e-37);
-#endif
+  float spread = wide.spread / max(expected_line.z, 1e-37);
+  float noise = wide.noise / max(expected_line.z, 1e-37);
 #endif
 #if FLOATS
   // In units of the steepest axis, since squares of the values themselves may overflow.
   unit = max(max(abs(difference.x), max(abs(difference.y), abs(difference.z))), 1e-37);
 #if SPREAD
-  unit = max(unit, spread);
+  unit = max(unit, max(spread, noise));
 #endif
   difference /= unit;
 #endif
@@ -312,16 +314,13 @@ vec4 shownColor(vec4 color, float value, float part, float entry, vec3 at, float
 #endif
   float flatness = reflection.w / unit;
 #if SPREAD
-  float rough = roughOf(difference, spread / unit);
+  float rough = roughOf(difference, spread / unit, noise / unit);
+  vec2 counts = vec2(wide.here, wide.seen);
 #else
   const float rough = 0.0;
+  const vec2 counts = vec2(1.0);
 #endif
-#if WIDE
-  float here = wide.w;
-#else
-  const float here = 1.0;
-#endif
-  color = shade(color, difference, squared, here, rough, flatness * flatness, light_at);
+  color = shade(color, difference, squared, counts, rough, flatness * flatness, light_at);
 #endif
   return color;
 }

@@ -35,7 +35,6 @@ Definitions numbersOf(const ShaderVariant& v) {
           {"CODES_DEPTH", v.codes_depth},
           {"SCALED", v.scaled},
           {"SPREAD", v.spread},
-          {"WIDE", v.wide},
           {"SHARES", v.shares},
           {"INTEGRATES", v.integrates},
           {"SURFACES", v.surfaces},
@@ -85,9 +84,10 @@ constexpr const char* kOfChannels[] = {
     "meanWeights",   "texel_scale",     "share_unit",       "expected",
     "expected_line", "expectedColor",   "spreadShareAt",    "expected_length",
     "sharedOpacity", "shownOf",         "soleBody",         "wideSlopes",
-    "bodyOf",        "rough_parts",     "wide_parts",       "even_light",
+    "bodyOf",        "rough_parts",     "here_parts",       "even_light",
     "roughOf",       "mayShow",         "mayShowBetween",   "voxelLengths",
-    "storedAt"};
+    "storedAt",      "WideSlopes",      "edge_parts",       "least_parts",
+    "leastOf",       "greatestOf",      "texelLength"};
 
 // The text of one channel: the same as that of a single one, with names of its own.
 std::string channelText(const ShaderVariant& variant, size_t channel) {

@@ -33,7 +33,6 @@ struct ShaderVariant {
   bool planes = false;        // samples lie on voxel planes, see FrameSetup
   bool codes_depth = false;   // the greatest value is kept with its depth, see depth_code.h
   bool spread = false;        // chunks have spreads, see ExpectedLook
-  bool wide = false;          // with spreads: texels are wide, see rough_light.h
   bool shares = false;        // of labels: chunks have shares, see ChunkTexels
   bool scaled = false;        // texels are not voxels, see TexelMap
   bool integrates = false;    // segments in place of samples, see FrameSetup

@@ -75,9 +75,19 @@ void setLights(const FrameSetup& setup, GlProgram& program) {
   program.set3("index_halfway", halfway.data(), 2);
   program.set4("view_reflection", reflection.data(), 1);
   program.set4("even_light", even.data(), 1);
-  program.set2("rough_parts", kSpreadPart, -kSlopePart);
+  program.set("rough_parts", Vec3d{kSpreadPart, -kSlopePart, kNoisePart});
   program.set("shininess", lighting.shininess);
   program.set("key_share", lighting.keyShare());
+}
+
+// Of texels with spreads, see rough_light.h.
+void setEdges(GlProgram& program) {
+  constexpr double kSharpRate = 1 / (kSharpShare - kSoftShare);
+  program.set("here_parts", Vec3d{kEvenPart, kOwnPart, kEdgePart});
+  program.set("edge_parts", Vec3d{kEdgeVoxels, kSharpRate, -kSoftShare * kSharpRate});
+  const Floats least =
+      Floats().add(kLeastPart).add(kLeastProduct).add(kLeastHeight).add(kLeastLayer);
+  program.set4("least_parts", least.data(), 1);
 }
 
 void setVisible(const FrameSetup& setup, GlProgram& program) {
@@ -186,7 +196,6 @@ ShaderVariant boxVariant(ShaderVariant frame, Vec3d scale, bool has_spread) {
   frame.shares = has_spread && frame.labels;
   frame.corrects = frame.corrects || frame.shares;
   frame.spread = has_spread && !frame.labels && frame.combining == Combining::kBlend;
-  frame.wide = frame.spread && (frame.lit || frame.gradient_rows > 0) && hasWideTexels(scale);
   // A spread may show where the value does not.
   frame.rough_first = frame.rough_first && !frame.spread;
   return frame;
@@ -247,7 +256,7 @@ void setShading(const FrameSetup& setup, const ShaderVariant& variant, GlProgram
   const auto& axes = setup.camera_gradient;
   program.set("index_slope", Vec3d{length(axes[0]), length(axes[1]), length(axes[2])});
   program.set("axis_cosines", axisCosines(setup));
-  if (variant.wide) program.set("wide_parts", Vec3d{kEvenPart, kOwnPart, kEdgePart});
+  if (variant.spread) setEdges(program);
   if (variant.lit) setLights(setup, program);
   if (variant.gradient_rows == 0) return;
   const Floats rows = rowsOf(setup);

@@ -101,7 +101,7 @@ vec4 surfaceColor(vec3 at, float level, vec4 color, vec3 light_at) {
   }
   float unit = max(max(abs(difference.x), max(abs(difference.y), abs(difference.z))), 1e-37);
   difference /= unit;
-  return shade(color, difference, squareOf(difference), 1.0, 0.0, 0.0, light_at);
+  return shade(color, difference, squareOf(difference), vec2(1.0), 0.0, 0.0, light_at);
 #else
   return color;
 #endif

@@ -167,7 +167,7 @@ vec3 differenceAt(vec3 at) {
 }
 #endif
 
-#if (LABELS && LIT) || WIDE
+#if (LABELS && LIT) || (SPREAD && GRADIENTS)
 vec2 storedAt(ivec3 texel) {
   return texelFetch(chunk, clamp(texel, ivec3(0), textureSize(chunk, 0) - 1), 0).rg;
 }
@@ -193,12 +193,30 @@ float spreadShareAt(vec3 at) {
 }
 #endif
 
-#if WIDE
-uniform vec3 wide_parts;  // kEvenPart, kOwnPart, kEdgePart
-// The change from one texel to the next along the texture's axes, and the share of its square that
-// is at the place, see rough_light.h. `spread`: the share that spreadShareAt() returns, and then
-// what counts of it.
-vec4 wideSlopes(vec3 at, inout float spread) {
+#if SPREAD && GRADIENTS
+// Numbers of rough_light.h: kEvenPart, kOwnPart and kEdgePart; kEdgeVoxels, and scale and offset of `sharp`;
+// kLeastPart, kLeastProduct, kLeastHeight, kLeastLayer.
+uniform vec3 here_parts;
+uniform vec3 edge_parts;
+uniform vec4 least_parts;
+float texelLength() { return pow(TEXEL_SCALE.x * TEXEL_SCALE.y * TEXEL_SCALE.z, -1.0 / 3.0); }
+// The least and the greatest of four texels around a place between the second and the third: the
+// farther one of the outer two becomes its neighbour.
+float leastOf(vec4 four, float part) {
+  vec2 away = clamp(vec2(2.0 * part - 1.0, 1.0 - 2.0 * part), 0.0, 1.0);
+  vec2 outer = mix(four.xw, four.yz, away);
+  return min(min(outer.x, outer.y), min(four.y, four.z));
+}
+float greatestOf(vec4 four, float part) { return -leastOf(-four, part); }
+
+// See rough_light.h: the change from one texel to the next along the texture's axes, what counts of
+// its square, and the share of that whose light is seen; what counts of the spread, as
+// spreadShareAt() returns it, and of the least spread.
+struct WideSlopes {
+  vec3 slopes;
+  float here, seen, spread, noise;
+};
+WideSlopes wideSlopes(vec3 at, float spread) {
   // Values count from the first texel on, in shares of the volume's. Beyond `far` lie those that
   // stand for infinities.
   const float far = 1e15;
@@ -208,9 +226,9 @@ vec4 wideSlopes(vec3 at, inout float spread) {
   float first = storedAt(cell + 1).r, least = first;
   vec4 slope_x = slopeWeights(part.x), slope_y = slopeWeights(part.y);
   vec4 mean_x = meanWeights(part.x), mean_y = meanWeights(part.y), mean_z = meanWeights(part.z);
-  vec4 planes_x, planes_y, planes_z, planes_squares;
+  vec4 planes_x, planes_y, planes_z, planes_squares, planes_least, planes_greatest, planes_calm;
   for (int k = 0; k < 4; ++k) {
-    vec4 slopes, means, squares;
+    vec4 slopes, means, squares, lows, highs, calms;
     for (int j = 0; j < 4; ++j) {
       vec4 values, spreads;
       for (int i = 0; i < 4; ++i) {
@@ -220,27 +238,48 @@ vec4 wideSlopes(vec3 at, inout float spread) {
       }
       least = min(least, min(min(values.x, values.y), min(values.z, values.w)));
       values = clamp((values - first) * expected_line.z, -far, far);
-      spreads *= 0.5 * expected_line.z;
+      spreads *= expected_line.z;
       slopes[j] = dot(values, slope_x);
       means[j] = dot(values, mean_x);
-      squares[j] = dot(values * values + spreads * spreads, mean_x);
+      squares[j] = dot(values * values + 0.25 * spreads * spreads, mean_x);
+      lows[j] = leastOf(values, part.x);
+      highs[j] = greatestOf(values, part.x);
+      calms[j] = leastOf(spreads, part.x);
     }
     planes_x[k] = dot(slopes, mean_y);
     planes_y[k] = dot(means, slope_y);
     planes_z[k] = dot(means, mean_y);
     planes_squares[k] = dot(squares, mean_y);
+    planes_least[k] = leastOf(lows, part.y);
+    planes_greatest[k] = greatestOf(highs, part.y);
+    planes_calm[k] = leastOf(calms, part.y);
   }
 #if FLOATS
-  if (IS_NO_NUMBER(vec3(least)).x) return vec4(differenceAt(at), 1.0);
+  if (IS_NO_NUMBER(vec3(least)).x) return WideSlopes(differenceAt(at), 1.0, 1.0, spread, 0.0);
 #endif
   vec3 slopes =
       vec3(dot(planes_x, mean_z), dot(planes_y, mean_z), dot(planes_z, slopeWeights(part.z)));
   float mean = dot(planes_z, mean_z);
-  float variance = dot(planes_squares, mean_z) - mean * mean;
-  float even = dot(slopes, slopes), square = spread * spread;
-  float here = min(1.0, dot(wide_parts.xy, vec2(even, square)) / max(variance, 1e-12));
-  spread = sqrt(min(square, max(4.0 * variance - wide_parts.z * even, 0.0)));
-  return vec4(slopes / max(expected_line.z, 1e-37), here * here * here);
+  float variance = max(dot(planes_squares, mean_z) - mean * mean, 0.0);
+  float even = dot(slopes, slopes);
+
+  float bottom = leastOf(planes_least, part.z);
+  float height = max(greatestOf(planes_greatest, part.z) - bottom, least_parts.z);
+  float full = clamp((mean - bottom) / height, least_parts.x, 1.0);
+  float of_edge = variance / (height * height * max(full * (1.0 - full), least_parts.y));
+  float sharp = clamp(of_edge * edge_parts.y + edge_parts.z, 0.0, 1.0);
+  float layer = edge_parts.x / texelLength() * sqrt(even) / height;
+  float narrow = max(mix(1.0, min(1.0, layer), sharp), least_parts.w);
+  float seen = mix(1.0, min(1.0, 0.5 * layer / full), sharp);
+
+  float own = dot(here_parts.xy, vec2(even, spread * spread));
+  float share = min(1.0, own / max(variance, 1e-12));
+  float here = mix(share * share * share, 1.0, sharp);
+  float counted = min(spread * spread, max(4.0 * variance - here_parts.z * even, 0.0));
+  float calm = leastOf(planes_calm, part.z);
+  float noise = max(min(calm * calm, counted) - even / 3.0, 0.0);
+  return WideSlopes(slopes / max(expected_line.z, 1e-37), here / (narrow * narrow), seen,
+                    sqrt(counted), sqrt(noise));
 }
 #endif
 )";
