@@ -234,6 +234,32 @@ TEST_F(TexelMapTest, anyTexelsGiveThePictureOfPlainLoops) {
     }
 }
 
+double wavesAt(Vec3d p) {
+  return 128 + 70 * std::sin(p.x / 4) * std::cos(p.y / 5) + 50 * std::sin(p.z / 3 + 0.3);
+}
+
+// Texels lie thirds of themselves beside voxels, which no float is, and rays that touch a surface
+// tell parts of a texel.
+TEST_F(TexelMapTest, surfacesLieWhereThoseOfPlainLoopsDo) {
+  PlainDevice plain;
+  for (const DeviceType type : {DeviceType::kU8, DeviceType::kF32})
+    for (const Level& level : {kCoarse[0], kCoarse[4], kCoarse[5], Level{{5, 7, 6}}}) {
+      SCOPED_TRACE(fmt::format("{}, factors {} {} {}", name(type), level.factor.x, level.factor.y,
+                               level.factor.z));
+      FrameSetup setup = setupOf({.step = 0.7}, type);
+      setup.size = {450, 390};
+      for (auto& row : {&setup.rays.origin_dx, &setup.rays.origin_dy}) *row = *row * 0.1;
+      LookUp look_up = *setup.look_up;
+      look_up.surfaces = {{120.3, 1, {1, 0.3, 0.1}}};
+      for (size_t i = 3; i < look_up.rgba.size(); i += 4) look_up.rgba[i] = 0;
+      setup.look_up = std::make_shared<const LookUp>(std::move(look_up));
+      setup.has_surfaces = true;
+      const Picture drawn = drawOn(*device_, setup, wavesAt, level, level);
+      EXPECT_GT(shownShare(drawn), 0.05);
+      EXPECT_LE(shareBeyond(2, drawn, drawOn(plain, setup, wavesAt, level, level)), 2e-5);
+    }
+}
+
 // Along an axis of the volume rays meet the texels themselves.
 TEST_F(TexelMapTest, extremesAreThoseOfTheTexels) {
   PlainDevice plain;

@@ -45,6 +45,8 @@ FLAT vec3 texel0, texel_dx, texel_dy;  // of the texture, 0 to 1; with PLANES in
 FLAT int first_k, turn;
 #if PLANES
 FLAT int outer_faces;         // see BoxBuffer
+#endif
+#if PLANES || SURFACES > 0
 FLAT vec3 box_corner;         // of the box, in texels
 #endif
 FLAT vec3 texel_size;         // 1 / texels of the chunk
@@ -118,6 +120,8 @@ void readBox(int at) {
   texel0 = texel_ray.xyz * texel_unit;
 #if PLANES
   outer_faces = int(texelFetch(boxes, at).w);
+#endif
+#if PLANES || SURFACES > 0
   box_corner = vec3(texel_ray.w, ray_dx.w, ray_dy.w);
 #endif
   texel_dx = ray_dx.xyz * texel_unit;

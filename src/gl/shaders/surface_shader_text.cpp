@@ -20,21 +20,12 @@ bool mayMeet(float front, float back) {
 }
 
 // The value where the ray passes from slice turn - 1 to slice `turn`: neighbouring boxes find the
-// same at the place that they share, see FrameSetup::has_surfaces. `at`: about the same place in the
-// texture.
-float sharedEndAt(vec3 origin, vec3 step, float turn, vec3 at) {
+// same at the place that they share, see FrameSetup::has_surfaces.
+float sharedEndAt(vec3 origin, vec3 step, float turn) {
   const float kGrid = 8192.0;
   vec3 place = round((place_origin + origin + turn * step) * kGrid) / kGrid;
   vec3 local = textureOrder((place - round(box_lo + place_origin)) * TEXEL_SCALE);
-  // The corner's texels, which lie between texels of coarser levels: their centres are whole parts
-  // of a texel away from voxels.
-#if SCALED
-  const float kParts = 256.0;
-#else
-  const float kParts = 1.0;
-#endif
-  vec3 corner = round((at / texel_size - 0.5 - local) * kParts) / kParts;
-  return exactOf(corner + local).r;
+  return exactOf(box_corner - 0.5 + local).r;
 }
 
 bool meetsLevel(float front, float back, float level) {
@@ -140,8 +131,8 @@ void combine(Sample next, int k, Ray ray) {
   // A loop, since software GL skips no `if`.
   for (bool again = mayMeet(near_end, far_end); again; again = false) {
     float h = float(k - first_k) - 0.5;
-    float front = sharedEndAt(ray.origin, ray.step, float(k), first + h * along);
-    float back = sharedEndAt(ray.origin, ray.step, float(k + 1), first + (h + 1.0) * along);
+    float front = sharedEndAt(ray.origin, ray.step, float(k));
+    float back = sharedEndAt(ray.origin, ray.step, float(k + 1));
     bool up = back > front;
     float value_from = front;
     for (int n = 0; n < SURFACES; ++n) {
