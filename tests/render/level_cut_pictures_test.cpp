@@ -70,6 +70,23 @@ TEST_F(LevelCutTest, aLevelLooksLikeItsVoxelsAsAVolumeOfTheirOwn) {
   }
 }
 
+// Cells of a level lie half a voxel beside the regions of its blocks, so that a region may end
+// within a cell of the next block.
+TEST_F(LevelCutTest, aLevelLooksTheSameInBlocksOfAnySize) {
+  const auto source = manyBlobs({96, 48, 104});
+  Pyramid small(*source, 4, false, Spreads::kNone, 8), large(*source, 4, false, Spreads::kNone, 64);
+  const TransferFunction transfer = opaqueAbove(60, 200, 0.9);
+  const auto in_small = sessionOf(small, transfer), in_large = sessionOf(large, transfer);
+  for (const Projection projection : kProjections)
+    for (const int level : {1, 2, 3}) {
+      FrameOptions options = obliqueView(projection);
+      options.cut = CutOptions{.level = level};
+      const FloatPicture expected = draw(*in_large, options).picture;
+      EXPECT_GT(shownShare(expected), 0.005);
+      EXPECT_TRUE(within(1, draw(*in_small, options).picture, expected)) << "level " << level;
+    }
+}
+
 // Means of a linear function lie on it: a cut at any levels gives the picture of the finest one,
 // even across the faces where levels meet.
 TEST_F(LevelCutTest, levelsMeetWithoutASeamOnARamp) {

@@ -13,6 +13,8 @@ namespace {
 
 // A part that is thinner may lie in one voxel with as much of something else.
 constexpr double kThinVoxels = 2;
+// Rounding of scales and offsets that files give as decimals, in voxels.
+constexpr double kOwnerRounding = 1e-6;
 
 // Calls `call` with the first and the end of parts of 0 to `count` on all threads of the pool, each
 // part so long that handing it out costs little.
@@ -327,10 +329,13 @@ Box3 ShownLevels::cellsShown(int level, Vec3i index, const Box3& region) {
   // Blocks that own cells in the region: a neighbour too, if the shift leads there.
   Box3 owners{index, index + Vec3i{1, 1, 1}};
   const Box3 own{index * at.blocks.cells(), (index + Vec3i{1, 1, 1}) * at.blocks.cells()};
-  const Box3 covered = at.cellsOver(own);
+  // Not rounded to whole finest cells, of which a part may be the neighbour's.
+  const Vec3d lo = at.placement.finestFromLevel(toDouble(own.lo));
+  const Vec3d hi = at.placement.finestFromLevel(toDouble(own.hi));
   for (int a = 0; a < 3; ++a) {
-    if (covered.lo[a] > region.lo[a] && owners.lo[a] > 0) --owners.lo[a];
-    if (covered.hi[a] < region.hi[a] && owners.hi[a] < at.blocks.grid[a]) ++owners.hi[a];
+    const auto first = static_cast<double>(region.lo[a]), end = static_cast<double>(region.hi[a]);
+    if (lo[a] > first + kOwnerRounding && owners.lo[a] > 0) --owners.lo[a];
+    if (hi[a] < end - kOwnerRounding && owners.hi[a] < at.blocks.grid[a]) ++owners.hi[a];
   }
   Box3 shown;
   // Samples beside a surface look at the cells around them.
