@@ -278,9 +278,11 @@ void visitTextureBlocks(const PyramidLayout& pyramid, const VisibleBlocks& visib
   }
   if (!loadsEveryBlock(visible, algorithm)) {
     for (ObjectBlock object : visible.blocks) {
-      // Algorithm I draws the whole region of a block, since it knows no object boxes. Only blocks
-      // of the cut are loaded, for regions of other levels overlap them.
-      if (algorithm == Algorithm::kConventional)
+      // Algorithm I draws the whole region of a block, since it knows no object boxes. Those of
+      // coarser levels belong to the picture: voxels with spreads show something beyond them, where
+      // the finest level shows nothing. Only blocks of the cut are loaded, for regions of other
+      // levels overlap them.
+      if (algorithm == Algorithm::kConventional && object.name.level == 0)
         object.cells = intersect(pyramid.regionOf(object.name), options.crop);
       visit(wholeBlock(pyramid, object));
     }

@@ -147,5 +147,24 @@ TEST_F(LevelCutTest, everyAlgorithmAndOcclusionDrawsTheSameCut) {
   }
 }
 
+// Of two values by turns the expected look shows some beyond both, where the finest level shows
+// nothing.
+TEST_F(LevelCutTest, everyAlgorithmEndsLevelsWithSpreadsAtTheSameBoxes) {
+  FunctionSource source(functionLayout({60, 60, 60}, VoxelType::kU8), [](int64_t, Vec3i v) {
+    const bool is_ball = length(toDouble(v) - Vec3d{18, 18, 18}) < 5;
+    return is_ball ? 200.0 : (v.x + v.y + v.z) % 2 * 100.0;
+  });
+  Pyramid pyramid(source, 2, false, Spreads::kKept);
+  const auto session = sessionOf(pyramid, opaqueAbove(110, 200, 0.8));
+  FrameOptions options = obliqueView(Projection::kOrtho);
+  options.cut = CutOptions{.level = 1};
+  const Drawn expected = draw(*session, options);
+  EXPECT_GT(shownShare(expected.picture), 0.005);
+  for (const Algorithm algorithm : kAlgorithms) {
+    options.algorithm = algorithm;
+    EXPECT_TRUE(within(1, draw(*session, options).picture, expected.picture)) << name(algorithm);
+  }
+}
+
 }  // namespace
 }  // namespace sluice
