@@ -154,6 +154,9 @@ struct FrameSetup {
   // whose boxes hold it: of opacities a_c and colours c_c its opacity is
   // a = 1 - (1 - a_1) (1 - a_2) ..., and its colour (a_1 c_1 + a_2 c_2 + ...) / (a_1 + a_2 + ...).
   std::vector<FrameSetup> others = {};
+  // The picture is added to those of other channels. A device may draw it faster and with rounding
+  // that differs from that of a picture of one channel; it draws all frames of a channel alike.
+  bool is_one_of_several = false;
   // Composite only: colours are darkened by this share at the farthest of `shown_depths`, by none
   // at the nearest, and in proportion in between.
   double depth_cueing = 0;

@@ -66,6 +66,7 @@ struct FrameOptions {
   bool shades = true;                     // by sessions opened lit; they may draw a frame without
   Lighting lighting;                      // Applies if the frame is lit
   double depth_cueing = 0, jitter = 0;    // see FrameSetup
+  bool is_one_of_several = false;         // see FrameSetup
   // World positions whose hull holds what the transfer function shows, for pictures whose colours
   // depend on depth. Null or none: the corners that the clip planes leave of cropCells().
   std::shared_ptr<const std::vector<Vec3d>> shown_points = {};

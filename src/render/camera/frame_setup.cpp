@@ -125,6 +125,7 @@ FrameSetup setupOf(const View& view, const VolumeLayout& layout, const OpacityTa
   shiftView(setup, options.ray_shift);
   setup.opacity_threshold = rayThreshold(options);
   setup.with_depth = options.with_depth;
+  setup.is_one_of_several = options.is_one_of_several;
   // Extremes and averages keep their exact values: neither fog nor jitter applies to them.
   if (traitsOf(setup.mode).has_colors) {
     setup.depth_cueing = options.depth_cueing;

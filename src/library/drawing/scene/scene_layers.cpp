@@ -151,6 +151,7 @@ FrameOptions Scene::optionsOf(const Layer& layer, const FrameOptions& options) c
   const auto place = static_cast<uint64_t>(std::ranges::find(all, &layer) - all.begin());
   FrameOptions own =
       frameOfChannel({&layer.volume, &layer.look.transfer}, looks(), combine, options);
+  own.is_one_of_several = true;
   own.shades = layer.look.lit;
   if (look.flat_scale > 0) own.lighting.flat_share *= layer.look.flat_scale / look.flat_scale;
   // Waiting is shared out, unless all layers are drawn together.
