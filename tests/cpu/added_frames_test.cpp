@@ -28,6 +28,17 @@ FrameSetup channelOf(Vec3d rgb, double opacity) {
   return setup;
 }
 
+// The same with opacities that rise from 0, see color_ramp.h.
+FrameSetup rampOf(Vec3d rgb, double most) {
+  FrameSetup setup = channelOf(rgb, 1);
+  LookUp look_up = *setup.look_up;
+  const double entries = static_cast<double>(look_up.rgba.size() / 4);
+  for (size_t i = 0; i < look_up.rgba.size(); i += 4)
+    look_up.rgba[i + 3] = static_cast<float>(most * static_cast<double>(i / 4) / entries);
+  setup.look_up = std::make_shared<const LookUp>(std::move(look_up));
+  return setup;
+}
+
 class AddedFrames : public testing::Test {
  protected:
   void SetUp() override {
@@ -89,6 +100,32 @@ TEST_F(AddedFrames, areTheSumOfThoseDrawnAlone) {
   EXPECT_GT(most, 0.2F);
   EXPECT_EQ(both_.shows, (std::vector<bool>{true, true}));
   expectAllIsRight();
+}
+
+TEST_F(AddedFrames, haveTheColorsOfTheirTables) {
+  const FrameSetup red = rampOf({1, 0.2, 0}, 0.1), blue = rampOf({0, 0.3, 1}, 0.05);
+  const Picture red_alone = frame(red, 1), blue_alone = frame(blue, 2);
+  device_.beginSum();
+  frame(red, 1);
+  frame(blue, 2);
+  const Picture both = device_.endSum(kLeast).picture;
+  for (size_t i = 0; i < both.rgba.size(); ++i)
+    EXPECT_NEAR(both.rgba[i], red_alone.rgba[i] + blue_alone.rgba[i], 1e-3) << i;
+}
+
+// The first frame of a turn is drawn channel by channel, and the next ones together.
+TEST_F(AddedFrames, areToTheBitThoseOfSeveralDrawnAlone) {
+  FrameSetup red = rampOf({1, 0.2, 0}, 0.1), blue = rampOf({0, 0.3, 1}, 0.05);
+  red.is_one_of_several = blue.is_one_of_several = true;
+  const Picture red_alone = frame(red, 1), blue_alone = frame(blue, 2);
+  device_.beginSum();
+  frame(red, 1);
+  frame(blue, 2);
+  const Picture both = device_.endSum(kLeast).picture;
+  for (size_t i = 0; i < both.rgba.size(); ++i)
+    EXPECT_EQ(both.rgba[i], red_alone.rgba[i] + blue_alone.rgba[i]) << i;
+  red.is_one_of_several = false;
+  EXPECT_NE(frame(red, 1).rgba, red_alone.rgba) << "one channel alone has the colours of its table";
 }
 
 TEST_F(AddedFrames, tellWhichOfThemShowNothing) {

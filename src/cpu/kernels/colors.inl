@@ -33,7 +33,20 @@ HWY_INLINE V entryOf(const KernelFrame& frame, V value) {
   return hn::Min(hn::Max(at, hn::Zero(F())), all(frame.last_entry));
 }
 
+HWY_INLINE Color rampColor(const ColorRamp& ramp, V entry) {
+  // The nearest entry, as of a table.
+  const V from_first = hn::Sub(hn::Floor(hn::Add(entry, all(0.5F))), all(ramp.first));
+  const V at = hn::MulAdd(from_first, all(ramp.scale), all(ramp.offset));
+  const V t = hn::Min(hn::Max(at, hn::Zero(F())), all(1.0F));
+  const auto& [first, second, third] = ramp.curve;
+  const V a = hn::Mul(t, hn::MulAdd(t, hn::MulAdd(t, all(third), all(second)), all(first)));
+  const V factor = ramp.is_premultiplied ? a : all(1.0F);
+  return {hn::Mul(factor, all(ramp.rgb[0])), hn::Mul(factor, all(ramp.rgb[1])),
+          hn::Mul(factor, all(ramp.rgb[2])), a};
+}
+
 HWY_INLINE Color colorAt(const KernelFrame& frame, V entry) {
+  if (frame.ramp != nullptr) return rampColor(*frame.ramp, entry);
   if (!frame.interpolates) {
     const VI nearest = wholeOf(hn::Add(entry, all(0.5F)));
     return packedEntryAt(frame, nearest);

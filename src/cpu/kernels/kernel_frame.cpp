@@ -26,10 +26,11 @@ LookUpTables::LookUpTables(LookUpKey of)
     integrated = integratedLook(*key.look_up);
   else if (traitsOf(key.mode).has_colors && !key.look_up->interpolates)
     packed = packedEntries(entries, kMostExponent);
+  if (!packed.entries.empty() && !key.look_up->labels) ramp = colorRamp(entries);
 }
 
 FrameTables::FrameTables(const FrameSetup& setup, const LookUpTables& look_up,
-                         const uint64_t* light_squares) {
+                         const uint64_t* light_squares, Channels channels) {
   const ModeTraits& traits = traitsOf(setup.mode);
   const bool colors = traits.has_colors;
   frame_.width = setup.size.width;
@@ -50,6 +51,9 @@ FrameTables::FrameTables(const FrameSetup& setup, const LookUpTables& look_up,
   if (traits.hides && setup.skips) frame_.ray_opacity = kNothingMore;
   setRays(setup);
   setLookUp(look_up);
+  // A ray that ends at a threshold shows where an opacity differs by rounding alone.
+  if (channels == Channels::kSeveral && look_up.ramp && setup.opacity_threshold >= 1)
+    frame_.ramp = &*look_up.ramp;
   const auto [window_lo, window_hi] = setup.window;
   frame_.window_lo = static_cast<float>(window_lo);
   frame_.window_scale =

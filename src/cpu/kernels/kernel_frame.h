@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "src/cpu/kernels/kernel_values.h"
@@ -20,16 +21,20 @@ struct LookUpTables {
   LookUpKey key;
   std::vector<float> entries;       // see lookUpTexels()
   PackedEntries packed;             // composite that does not interpolate, else without entries
+  std::optional<ColorRamp> ramp;    // of `packed`
   IntegratedLook integrated;        // pre-integrated frames, else without sums
   std::array<double, 2> visible{};  // visibleValues()
 };
 
 class FrameTables {
  public:
+  // Whether the frame shows one channel, or is one of several that are drawn together. The colours
+  // of one come from its table alone.
+  enum class Channels { kOne, kSeveral };
   // `look_up` and `light_squares` (light_squares.h; null if there are none), the setup's, must
   // outlive it.
   FrameTables(const FrameSetup& setup, const LookUpTables& look_up,
-              const uint64_t* light_squares = nullptr);
+              const uint64_t* light_squares = nullptr, Channels channels = Channels::kOne);
   FrameTables(const FrameTables&) = delete;
   FrameTables& operator=(const FrameTables&) = delete;
 

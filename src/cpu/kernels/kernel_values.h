@@ -12,6 +12,7 @@
 #include <cstdint>
 
 #include "src/base/looks/channel_look.h"
+#include "src/cpu/kernels/color_ramp.h"
 #include "src/device/frame_values.h"
 #include "src/device/shading/integrated_look.h"
 
@@ -58,6 +59,8 @@ struct KernelFrame {
   // null.
   const int64_t* packed_entries = nullptr;
   float color_unit = 1, opacity_unit = 1;  // factors of packed_entries
+  // Frames of several channels: the entries as a ramp, or null if they follow none.
+  const ColorRamp* ramp = nullptr;
   float entry_scale = 0, entry_offset = 0, last_entry = 0;
   // Pre-integrated frames, else null: IntegratedLook::sums, and the exponent of slice_length, or of
   // a unit length with factors, that a sum of 1 stands for.
