@@ -104,9 +104,11 @@ template <class Into, DeviceType kType>
 Adding<Into> addingTyped(const KernelFrame& frame) {
   const AddSamples<Into> two = frame.labels ? &addSamples<kType, Shading::kShares, Into>
                                             : &addSamples<kType, Shading::kSpread, Into>;
-  if (frame.lit || frame.rows > 0) return {&addSamples<kType, Shading::kGradients, Into>, two};
   // Packets of four rays gain nothing: copying texels takes as long as the loads that it saves.
   const bool reads_values = kLanes >= 8 && kType == DeviceType::kU8 && !frame.labels;
+  if (frame.lit || frame.rows > 0)
+    return {&addSamples<kType, Shading::kGradients, Into>, two,
+            reads_values ? &addValues<Shading::kGradients, Into> : nullptr, true};
   if (frame.perspective)
     return {&addSamples<kType, Shading::kLength, Into>, two,
             reads_values ? &addValues<Shading::kLength, Into> : nullptr};

@@ -37,7 +37,12 @@ struct ChannelWay {
   int first, last;
 };
 
-using SliceValues = std::array<V, kSlicesAtOnce>;
+// The values of a channel in the slices between two looks, and, of frames with gradients, their
+// differences along each axis.
+struct SliceValues {
+  std::array<V, kSlicesAtOnce> of;
+  std::array<V3, kSlicesAtOnce> differences;
+};
 
 // A channel whose picture is added to the others': its own pixels, in which its rays end.
 struct ChannelPixels {
@@ -82,9 +87,12 @@ template <class Into>
 struct Adding {
   AddSamples<Into> one = nullptr, two = nullptr;
   AddValues<Into> values = nullptr;  // in boxes of one number; null if samples are read one by one
+  bool needs_margin = false;         // `values` are of boxes with a margin
 
   AddSamples<Into> of(const KernelBox& box) const { return box.has_spread ? two : one; }
-  AddValues<Into> valuesOf(const KernelBox& box) const { return box.has_spread ? nullptr : values; }
+  AddValues<Into> valuesOf(const KernelBox& box) const {
+    return box.has_spread || (needs_margin && !box.has_margin) ? nullptr : values;
+  }
 };
 
 // The ways of a packet through a block's boxes.

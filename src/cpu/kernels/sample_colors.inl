@@ -61,10 +61,19 @@ HWY_INLINE V3 differencesOf(const KernelBox& box, const V3& at, const Place& pla
                         : differencesWithoutMargin<kType, kSpread>(box, at);
 }
 
-// The gradient of a sample. `square`: of the spread, as numbersAt() returns it.
+// A place whose differences are known, in boxes of one number a texel.
+struct ReadPlace {
+  V3 differences;
+};
 template <DeviceType kType, Shading kShading>
+HWY_INLINE V3 differencesOf(const KernelBox&, const V3&, const ReadPlace& place) {
+  return place.differences;
+}
+
+// The gradient of a sample. `square`: of the spread, as numbersAt() returns it.
+template <DeviceType kType, Shading kShading, class At>
 HWY_INLINE Gradient sampleGradient(const KernelFrame& frame, const KernelBox& box, const V3& at,
-                                   const Place& place, V square) {
+                                   const At& place, V square) {
   if constexpr (hasSpreads(kShading)) {
     const WideSlopes wide = wideSlopesAt<kType>(frame, box, at, place, square);
     const V unit = all(frame.spread_unit);
@@ -79,6 +88,11 @@ HWY_INLINE Gradient sampleGradient(const KernelFrame& frame, const KernelBox& bo
 
 // The colour of a sample with its light. `gradient`: of the values, which the numbers of labels are
 // not.
+template <DeviceType kType, Shading kShading>
+HWY_INLINE Color shadedSample(const KernelFrame& frame, const KernelBox& box, const V3& at,
+                              const ReadPlace&, const Color& color, const Gradient& gradient) {
+  return shaded(frame, box, at, color, gradient, frame.flat);
+}
 template <DeviceType kType, Shading kShading>
 HWY_INLINE Color shadedSample(const KernelFrame& frame, const KernelBox& box, const V3& at,
                               const Place& place, const Color& color, const Gradient& gradient) {
@@ -109,9 +123,9 @@ HWY_INLINE Color sharedColorOf(const KernelFrame& frame, const KernelBox& box, c
                    : color;
 }
 
-template <DeviceType kType, Shading kShading>
+template <DeviceType kType, Shading kShading, class At>
 HWY_INLINE Color colorOf(const KernelFrame& frame, const KernelBox& box, const V3& at,
-                         const Place& place, V value, V square, V ray_length) {
+                         const At& place, V value, V square, V ray_length) {
   if constexpr (kShading == Shading::kShares)
     return sharedColorOf<kType>(frame, box, at, place, value, square, ray_length);
   const V entry = entryOf(frame, value);

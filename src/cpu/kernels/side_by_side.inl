@@ -3,19 +3,21 @@
 // Loads of single lanes take a quarter of the time of a blended sample. In the slices between two
 // looks, a packet goes through few cells. The texels around them are copied into a window, where
 // four bytes hold the texel of four channels, so that one load serves all of them. The values are
-// to the bit those that are read channel by channel.
+// to the bit those that are read channel by channel. Frames with gradients read four times as many
+// texels, so that a larger window pays: a lit sample takes a quarter less time.
 
 // A window is kWindowSide texels a side; rows and planes are so many bytes apart.
 constexpr int kSideBySide = 4, kWindowSide = 16;
 constexpr int kWindowRow = kSideBySide * kWindowSide, kWindowPlane = kWindowSide * kWindowRow;
 // Rows of a window for each channel but the first: copying more takes longer than the loads that it
 // saves.
-constexpr float kRowsForChannel = 60;
+constexpr float kRowsForChannel = 60, kLitRowsForChannel = 120;
 
-// Channels whose samples have the same places, and the slices that they are read in.
+// Channels whose samples have the same places, and the slices that they are read in. `margin`:
+// texels beside the cells, for differences.
 struct Alike {
   std::array<int, kSideBySide> ways;
-  int count = 0, first = kSlicesAtOnce, last = 0;
+  int count = 0, first = kSlicesAtOnce, last = 0, margin = 0;
 };
 
 // About how many rows the window of kSlicesAtOnce slices has.
@@ -42,6 +44,7 @@ struct Window {
 struct CellRange {
   int first, last;
   int texels() const { return last - first + 2; }
+  void widen(int margin) { first -= margin, last += margin; }
 };
 HWY_INLINE CellRange rangeOf(const M& taking, V one, V other, V lo, V last) {
   const V a = cellOf(one, lo, last), b = cellOf(other, lo, last), far = all(1e9F);
@@ -108,13 +111,15 @@ HWY_INLINE bool fillWindow(const BlockWay& block, const Alike& alike, const V& k
                          hn::Sub(way.end, all(1.0F)));
   const M taking = hn::And(going, hn::Le(first, last));
   const Line& line = way.line;
-  const V3 one = placeOn(line, first, box.clamps), other = placeOn(line, last, box.clamps);
+  const bool clamps = box.clamps || alike.margin > 0;
+  const V3 one = placeOn(line, first, clamps), other = placeOn(line, last, clamps);
   const Cells& cells = line.cells;
-  const CellRange y = rangeOf(taking, one.y, other.y, cells.lo.y, cells.last.y);
-  const CellRange z = rangeOf(taking, one.z, other.z, cells.lo.z, cells.last.z);
+  CellRange y = rangeOf(taking, one.y, other.y, cells.lo.y, cells.last.y);
+  CellRange z = rangeOf(taking, one.z, other.z, cells.lo.z, cells.last.z);
   CellRange x = rangeOf(taking, one.x, other.x, cells.lo.x, cells.last.x);
-  if (x.last < x.first || std::max({x.texels(), y.texels(), z.texels()}) > kWindowSide)
-    return false;
+  if (x.last < x.first) return false;
+  for (CellRange* const range : {&x, &y, &z}) range->widen(alike.margin);
+  if (std::max({x.texels(), y.texels(), z.texels()}) > kWindowSide) return false;
   const auto row = static_cast<int64_t>(box.stride[1]), plane = static_cast<int64_t>(box.stride[2]);
   const auto offsetOf = [&](int64_t at_x, int64_t at_y, int64_t at_z) {
     return at_x + at_y * row + at_z * plane;
@@ -143,12 +148,12 @@ HWY_INLINE bool fillWindow(const BlockWay& block, const Alike& alike, const V& k
     for (int i = 0; i < y.texels(); ++i)
       copyRow(from, start + i * row + j * plane,
               window.texels.data() + j * kWindowPlane + i * kWindowRow);
-  const V3 lo{all(static_cast<float>(x.first)), all(static_cast<float>(y.first)),
-              all(static_cast<float>(z.first))};
+  const auto cell = [](int at) { return all(static_cast<float>(at)); };
+  const int m = alike.margin;
+  const V3 lo{cell(x.first + m), cell(y.first + m), cell(z.first + m)};
   window.cells = {lo,
                   lo,
-                  {all(static_cast<float>(x.last)), all(static_cast<float>(y.last)),
-                   all(static_cast<float>(z.last))},
+                  {cell(x.last - m), cell(y.last - m), cell(z.last - m)},
                   {all(static_cast<float>(kSideBySide)), all(static_cast<float>(kWindowRow)),
                    all(static_cast<float>(kWindowPlane))}};
   window.offset =
@@ -156,16 +161,62 @@ HWY_INLINE bool fillWindow(const BlockWay& block, const Alike& alike, const V& k
   return true;
 }
 
+// A channel's texels of the window.
+template <int kChannel>
+HWY_INLINE V texelIn(VI bytes) {
+  return hn::ConvertTo(F(), hn::And(hn::ShiftRight<8 * kChannel>(bytes), hn::Set(I(), 255)));
+}
+template <int kChannel>
+HWY_INLINE Rows pairsIn(const Wide (&rows)[4]) {
+  Rows pairs;
+  for (int i = 0; i < 4; ++i)
+    pairs.pair[i] = {texelIn<kChannel>(rows[i].first), texelIn<kChannel>(rows[i].second)};
+  return pairs;
+}
 // The value of a channel of the window. `rows`: as rowsAround() has them.
 template <int kChannel>
 HWY_INLINE V valueIn(const Wide (&rows)[4], const Place& place) {
-  const VI mask = hn::Set(I(), 255);
-  const auto texel = [&](VI bytes) {
-    return hn::ConvertTo(F(), hn::And(hn::ShiftRight<8 * kChannel>(bytes), mask));
-  };
+  return withinRows(pairsIn<kChannel>(rows).pair, place);
+}
+
+// The texels of all channels around a place of the window, as differencesIn() takes them.
+struct WindowRows {
+  VI near[4][4];  // of each long row the four texels
+  Wide along_y[4], along_z[4];
+};
+HWY_INLINE WindowRows windowRowsAt(const std::byte* texels, VI offset) {
+  constexpr int kX = kSideBySide, kY = kWindowRow, kZ = kWindowPlane;
+  // From the first texel of the margin on: the compiler takes a place before the window for an
+  // error.
+  const VI from = hn::Sub(offset, hn::Set(I(), kX + kY + kZ));
+  WindowRows rows;
+  const int near[4] = {kY + kZ, 2 * kY + kZ, kY + 2 * kZ, 2 * kY + 2 * kZ};
+  for (int i = 0; i < 4; ++i) {
+    const Quad quad = quadAt(texels + near[i], from);
+    for (int x = 0; x < 4; ++x) rows.near[i][x] = hn::BitCast(I(), quad.of[x]);
+  }
+  const std::byte* const first = texels + kX;
+  wideOfEach({first + kZ, first + 2 * kZ, first + 3 * kY + kZ, first + 3 * kY + 2 * kZ}, from,
+             rows.along_y);
+  wideOfEach({first + kY, first + 2 * kY, first + kY + 3 * kZ, first + 2 * kY + 3 * kZ}, from,
+             rows.along_z);
+  return rows;
+}
+// Sets the value and the differences of a channel of the window.
+template <int kChannel>
+HWY_INLINE void setSlopeIn(const WindowRows& rows, const Place& place, V& value, V3& differences) {
+  LongRows near;
   Pair pairs[4];
-  for (int i = 0; i < 4; ++i) pairs[i] = {texel(rows[i].first), texel(rows[i].second)};
-  return withinRows(pairs, place);
+  for (int i = 0; i < 4; ++i) {
+    near.before[i] = texelIn<kChannel>(rows.near[i][0]);
+    near.first[i] = pairs[i].first = texelIn<kChannel>(rows.near[i][1]);
+    near.second[i] = pairs[i].second = texelIn<kChannel>(rows.near[i][2]);
+    near.after[i] = texelIn<kChannel>(rows.near[i][3]);
+  }
+  value = withinRows(pairs, place);
+  differences = differencesIn<DeviceType::kU8>(
+      near, place, [&] { return pairsIn<kChannel>(rows.along_y); },
+      [&] { return pairsIn<kChannel>(rows.along_z); });
 }
 
 // Reads the channels' values at their slices from k on. Returns false, and reads none, if they are
@@ -175,10 +226,10 @@ HWY_NOINLINE bool readAlike(const BlockWay& block, const Alike& alike, const V& 
   Window window;
   if (!fillWindow(block, alike, k, going, window)) return false;
   const ChannelWay& way = block.ways[static_cast<size_t>(alike.ways[0])];
-  const bool clamps = way.box->clamps;
+  const bool clamps = way.box->clamps || alike.margin > 0;
   const std::byte* const texels = window.texels.data();
-  const auto valuesOf = [&](size_t c) -> SliceValues& {
-    return values[static_cast<size_t>(alike.ways[c])];
+  const auto valuesOf = [&](size_t c) -> std::array<V, kSlicesAtOnce>& {
+    return values[static_cast<size_t>(alike.ways[c])].of;
   };
   // All places come first. A load from a window that was stored just before waits for the stores.
   std::array<Place, kSlicesAtOnce> places;
@@ -187,6 +238,21 @@ HWY_NOINLINE bool readAlike(const BlockWay& block, const Alike& alike, const V& 
     Place& place = places[static_cast<size_t>(j)];
     place = placeAt(window.cells, placeOn(way.line, slice, clamps));
     place.offset = hn::Sub(place.offset, window.offset);
+  }
+  if (alike.margin > 0) {
+    for (int j = alike.first; j < alike.last; ++j) {
+      const auto at = static_cast<size_t>(j);
+      const Place& place = places[at];
+      const WindowRows rows = windowRowsAt(texels, place.offset);
+      const auto slopesOf = [&](size_t c) -> V3& {
+        return values[static_cast<size_t>(alike.ways[c])].differences[at];
+      };
+      setSlopeIn<0>(rows, place, valuesOf(0)[at], slopesOf(0));
+      setSlopeIn<1>(rows, place, valuesOf(1)[at], slopesOf(1));
+      if (alike.count > 2) setSlopeIn<2>(rows, place, valuesOf(2)[at], slopesOf(2));
+      if (alike.count > 3) setSlopeIn<3>(rows, place, valuesOf(3)[at], slopesOf(3));
+    }
+    return true;
   }
   for (int j = alike.first; j < alike.last; ++j) {
     const Place& place = places[static_cast<size_t>(j)];
@@ -222,8 +288,11 @@ HWY_INLINE uint32_t readTogether(const BlockWay& block, const V& k, const M& goi
       ways |= uint32_t{1} << i;
     }
     tried |= ways;
-    const bool pays =
-        first.window_rows < kRowsForChannel * static_cast<float>(alike.count - 1);
+    const bool has_slopes = first.frame->lit || first.frame->rows > 0;
+    alike.margin = has_slopes ? 1 : 0;
+    const float most_rows = (has_slopes ? kLitRowsForChannel : kRowsForChannel) *
+                            static_cast<float>(alike.count - 1);
+    const bool pays = first.window_rows < most_rows;
     if (pays && readAlike(block, alike, k, going, values)) read |= ways;
   }
   return read;
@@ -235,19 +304,22 @@ HWY_NOINLINE bool addValues(const ChannelWay& way, const V& k, const M& going,
                             const SliceValues& values, Into& into, VI& taken) {
   const KernelFrame& frame = *way.frame;
   const V least = all(frame.least_visible), most = all(frame.most_visible);
-  // Colours without gradients need no place.
-  const Place nowhere{hn::Zero(I()), least, least, least};
+  constexpr bool kHasSlopes = kShading == Shading::kGradients;
   for (int j = way.first; j < way.last; ++j) {
     const V slice = hn::Add(k, all(static_cast<float>(j)));
-    const V value = values[static_cast<size_t>(j)];
+    const V value = values.of[static_cast<size_t>(j)];
     M shows = hn::And(going, hn::And(hn::Ge(slice, way.from), hn::Lt(slice, way.end)));
     if (frame.counts_taken)
       taken = hn::Sub(taken, hn::VecFromMask(I(), hn::RebindMask(I(), shows)));
     if (!frame.shades_every_sample)
       shows = hn::And(shows, hn::And(hn::Ge(value, least), hn::Le(value, most)));
     if (hn::AllFalse(F(), shows)) continue;
-    const Color color = colorOf<DeviceType::kU8, kShading>(frame, *way.box, way.line.first, nowhere,
-                                                           value, value, way.ray_length);
+    // Colours without gradients need no place.
+    const V3 at = kHasSlopes ? placeOn(way.line, slice, true) : way.line.first;
+    const ReadPlace place = kHasSlopes ? ReadPlace{values.differences[static_cast<size_t>(j)]}
+                                       : ReadPlace{way.line.first};
+    const Color color = colorOf<DeviceType::kU8, kShading>(frame, *way.box, at, place, value, value,
+                                                           way.ray_length);
     if (!show(way, color, shows, hn::Add(slice, way.middle), j, into)) return false;
   }
   return true;

@@ -320,14 +320,14 @@ HWY_INLINE LongRows longRowsAt(const KernelBox& box, VI offset, const int64_t (&
   return rows;
 }
 
-// differenceAlong() each axis at once, of a box with a margin: neighbours share most of the texels.
-template <DeviceType kType, bool kSpread>
-HWY_INLINE V3 differencesAt(const KernelBox& box, const Place& place) {
-  const auto y = static_cast<int64_t>(box.stride[1]), z = static_cast<int64_t>(box.stride[2]);
+// differenceAlong() each axis at once. [j + 2 * k] of `near`: j rows and k planes on. `alongY()`
+// returns rows a row back, of both planes, and a row beyond; `alongZ()` those a plane back, of both
+// rows, and a plane beyond. They are called in between, when registers are free.
+template <DeviceType kType, class AlongY, class AlongZ>
+HWY_INLINE V3 differencesIn(const LongRows& near, const Place& place, const AlongY& alongY,
+                            const AlongZ& alongZ) {
   const V one = all(1.0F), fx = place.fx, fy = place.fy, fz = place.fz;
   const V rx = hn::Sub(one, fx), ry = hn::Sub(one, fy), rz = hn::Sub(one, fz);
-  // [j + 2 * k]: j rows and k planes on.
-  const LongRows near = longRowsAt<kType, kSpread>(box, place.offset, {0, y, z, y + z});
   V inner[4], last_x[4], next_x[4];
   for (int i = 0; i < 4; ++i) {
     inner[i] = between(near.first[i], near.second[i], fx, rx);
@@ -338,9 +338,7 @@ HWY_INLINE V3 differencesAt(const KernelBox& box, const Place& place) {
                               between(last_x[2], last_x[3], fy, ry), fz, rz);
   const V next_of_x = between(between(next_x[0], next_x[1], fy, ry),
                               between(next_x[2], next_x[3], fy, ry), fz, rz);
-  // A row back, of both planes, and a row beyond; a plane back, of both rows, and a plane beyond.
-  const Rows along_y = pairsAt<kType, kSpread>(box, place.offset, {-y, z - y, 2 * y, z + 2 * y});
-  const Rows along_z = pairsAt<kType, kSpread>(box, place.offset, {-z, y - z, 2 * z, y + 2 * z});
+  const Rows along_y = alongY(), along_z = alongZ();
   V last_y[2], next_y[2], last_z[2], next_z[2];
   for (int i = 0; i < 2; ++i) {
     const Pair &row_back = along_y.pair[i], &row_on = along_y.pair[i + 2];
@@ -355,4 +353,14 @@ HWY_INLINE V3 differencesAt(const KernelBox& box, const Place& place) {
                                 between(last_y[0], last_y[1], fz, rz)),
           halfDifference<kType>(between(next_z[0], next_z[1], fy, ry),
                                 between(last_z[0], last_z[1], fy, ry))};
+}
+
+// The same in a box with a margin: neighbours share most of the texels.
+template <DeviceType kType, bool kSpread>
+HWY_INLINE V3 differencesAt(const KernelBox& box, const Place& place) {
+  const auto y = static_cast<int64_t>(box.stride[1]), z = static_cast<int64_t>(box.stride[2]);
+  return differencesIn<kType>(
+      longRowsAt<kType, kSpread>(box, place.offset, {0, y, z, y + z}), place,
+      [&] { return pairsAt<kType, kSpread>(box, place.offset, {-y, z - y, 2 * y, z + 2 * y}); },
+      [&] { return pairsAt<kType, kSpread>(box, place.offset, {-z, y - z, 2 * z, y + 2 * z}); });
 }
