@@ -266,15 +266,13 @@ void PlainDevice::take(const PlainRay& ray, const BoxDraw& box, const ChunkTexel
     }
     // A fifth of the variance beyond that of an even slope, along each axis; of noise, by the
     // voxel.
-    const double counted = wide ? wide->spread : spread;
-    const double noise = wide ? wide->noise * texel_voxels : 0;
+    const WideSlopes around = wide.value_or(WideSlopes{{}, 1, 1, spread, 0});
+    const double noise = around.noise * texel_voxels;
     const double rough =
-        std::max(0.0, counted * counted / 4 - difference_squares / 12) / 5 + 0.08 * noise * noise;
-    if (setup_.lit)
-      rgb =
-          litPlainly(setup_, p, rgb,
-                     {gradient, rough * axis_squares, wide ? wide->here : 1, wide ? wide->seen : 1},
-                     setup_.flat);
+        std::max(0.0, around.spread * around.spread / 4 - difference_squares / 12) / 5 +
+        0.08 * noise * noise;
+    const PlainSlopes slopes{gradient, rough * axis_squares, around.here, around.seen};
+    if (setup_.lit) rgb = litPlainly(setup_, p, rgb, slopes, setup_.flat);
     const Sample sample{rgb, opacity,
                         setup_.first_depth + (k + ray.jitter + 0.5) * setup_.depth_step};
     if (setup_.has_surfaces)
