@@ -48,6 +48,7 @@ std::vector<std::string> namesOf(const std::string& input) {
   requireOneSeries(pattern.file, matches);
   const std::string inside = pattern.inside.empty() ? "" : ":" + pattern.inside;
   std::vector<std::string> names;
+  names.reserve(matches.size());
   for (const std::filesystem::path& file : matches) names.push_back(file.string() + inside);
   return names;
 }

@@ -12,6 +12,7 @@
 #include "tools/command_line/environment.h"
 #include "tools/command_line/interrupt.h"
 #include "tools/command_line/progress_line.h"
+#include "tools/command_line/usage.h"
 
 namespace sluice {
 namespace {
