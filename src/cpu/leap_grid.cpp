@@ -11,6 +11,7 @@
 #include <type_traits>
 
 #include "src/base/error.h"
+#include "src/base/vector_of.h"
 #include "src/base/wide_vectors.h"
 
 namespace sluice {
@@ -26,22 +27,6 @@ struct Range {
 
 template <class T>
 constexpr Range<T> kNothing{std::numeric_limits<T>::max(), std::numeric_limits<T>::lowest()};
-
-// A vector of texels. GCC takes no vectors of a type that a template leaves open.
-template <class T>
-struct Vector;
-template <>
-struct Vector<uint8_t> {
-  using Texels [[gnu::vector_size(32)]] = uint8_t;
-};
-template <>
-struct Vector<uint16_t> {
-  using Texels [[gnu::vector_size(32)]] = uint16_t;
-};
-template <>
-struct Vector<float> {
-  using Texels [[gnu::vector_size(32)]] = float;
-};
 
 // The least and the greatest means of texels with spreads, and the greatest spread.
 template <class T>
@@ -158,7 +143,7 @@ void takeFours(ColumnRanges<T>& ranges) {
 
 template <class T>
 void setRanges(const ChunkTexels& chunk, int64_t margin, LeapGrid& grid) {
-  using Texels = typename Vector<T>::Texels;
+  using Texels = typename VectorOf<T, 32>::Type;
   constexpr auto kAtOnce = static_cast<int64_t>(sizeof(Texels) / sizeof(T));
   const int64_t columns = chunk.size_vox.x;
   ColumnRanges<T> ranges(columns);

@@ -12,6 +12,8 @@
 #include <cstring>
 #include <utility>
 
+#include "src/base/vector_of.h"
+
 namespace sluice {
 
 // Numbers of a plane in memory, rows `stride` numbers apart.
@@ -25,27 +27,13 @@ struct TransposedPlane {
 
 namespace internal {
 
+inline constexpr size_t kRowBytes = 16;
 template <class T>
-inline constexpr size_t kLanes = 16 / sizeof(T);
+inline constexpr size_t kLanes = kRowBytes / sizeof(T);
 
-// A row of 16 bytes. GCC takes no vectors of a type that a template leaves open.
-template <class T>
-struct Lanes;
-template <>
-struct Lanes<uint8_t> {
-  using Row [[gnu::vector_size(16)]] = uint8_t;
-};
-template <>
-struct Lanes<uint16_t> {
-  using Row [[gnu::vector_size(16)]] = uint16_t;
-};
-template <>
-struct Lanes<float> {
-  using Row [[gnu::vector_size(16)]] = float;
-};
 template <class T>
 struct Square {
-  std::array<typename Lanes<T>::Row, kLanes<T>> rows;
+  std::array<typename VectorOf<T, kRowBytes>::Type, kLanes<T>> rows;
 };
 
 // The lanes of the lower or the upper halves of two rows by turns.

@@ -57,6 +57,13 @@ class AddedFrames : public testing::Test {
     device_.draw({&box, 1});
     return device_.endFrame();
   }
+  // The frames of two channels, drawn together.
+  Picture sumOf(const FrameSetup& first, const FrameSetup& second) {
+    device_.beginSum();
+    frame(first, 1);
+    frame(second, 2);
+    return device_.endSum(kLeast).picture;
+  }
   AddsFrames::Sum sumOfBoth() {
     device_.beginSum();
     EXPECT_TRUE(frame(red_, 1).rgba.empty()) << "drawn at the end";
@@ -105,10 +112,7 @@ TEST_F(AddedFrames, areTheSumOfThoseDrawnAlone) {
 TEST_F(AddedFrames, haveTheColorsOfTheirTables) {
   const FrameSetup red = rampOf({1, 0.2, 0}, 0.1), blue = rampOf({0, 0.3, 1}, 0.05);
   const Picture red_alone = frame(red, 1), blue_alone = frame(blue, 2);
-  device_.beginSum();
-  frame(red, 1);
-  frame(blue, 2);
-  const Picture both = device_.endSum(kLeast).picture;
+  const Picture both = sumOf(red, blue);
   for (size_t i = 0; i < both.rgba.size(); ++i)
     EXPECT_NEAR(both.rgba[i], red_alone.rgba[i] + blue_alone.rgba[i], 1e-3) << i;
 }
@@ -118,10 +122,7 @@ TEST_F(AddedFrames, areToTheBitThoseOfSeveralDrawnAlone) {
   FrameSetup red = rampOf({1, 0.2, 0}, 0.1), blue = rampOf({0, 0.3, 1}, 0.05);
   red.is_one_of_several = blue.is_one_of_several = true;
   const Picture red_alone = frame(red, 1), blue_alone = frame(blue, 2);
-  device_.beginSum();
-  frame(red, 1);
-  frame(blue, 2);
-  const Picture both = device_.endSum(kLeast).picture;
+  const Picture both = sumOf(red, blue);
   for (size_t i = 0; i < both.rgba.size(); ++i)
     EXPECT_EQ(both.rgba[i], red_alone.rgba[i] + blue_alone.rgba[i]) << i;
   red.is_one_of_several = false;

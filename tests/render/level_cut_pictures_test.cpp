@@ -147,7 +147,7 @@ TEST_F(LevelCutTest, everyAlgorithmAndOcclusionDrawsTheSameCut) {
   }
 }
 
-// Of two values by turns the expected look shows some beyond both, where the finest level shows
+// Two values by turns: their expected look shows values beyond both, where the finest level shows
 // nothing.
 TEST_F(LevelCutTest, everyAlgorithmEndsLevelsWithSpreadsAtTheSameBoxes) {
   FunctionSource source(functionLayout({60, 60, 60}, VoxelType::kU8), [](int64_t, Vec3i v) {

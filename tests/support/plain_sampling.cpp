@@ -242,7 +242,7 @@ std::optional<WideSlopes> wideSlopesAt(const ChunkTexels& chunk, Vec3d at, doubl
   const double calm =
       leastAt(at, [&](Vec3i texel) { return std::max(texelAt(chunk, texel, 1), 0.0); });
 
-  // Of values alike there is no edge.
+  // Values that are all alike have no edge.
   const double full = height > 0 ? std::clamp((mean - bottom) / height, 0.02, 1.0) : 1;
   const double of_edge =
       height > 0 ? variance / (height * height * std::max(full * (1 - full), 1e-3)) : 0;

@@ -23,8 +23,8 @@
 //   narrow = mix(1, min(1, p), sharp): the layer is as much steeper than g;
 //   seen = mix(1, min(1, p / (2 q)), sharp): half of the layer is in the fuller part of the place,
 //     which is what shows if the other side is empty.
-// Where nothing is sharp, a v of more than an even slope and the texel's own spread bring about
-// tells of an edge beside the place:
+// An edge beside the place shows where nothing is sharp: v is more than an even slope and the
+// texel's own spread bring about.
 //   here = mix(min(1, (kEvenPart * |g|^2 + kOwnPart * spread^2) / v)^3, 1, sharp).
 //
 // In e^2, spread^2 is at most 4 v - 3 |g|^2, with g from texel to texel: an edge in the texel has

@@ -178,7 +178,7 @@ vec2 shine(vec2 x) {
 }
 
 #if SPREAD
-// Of the squares of a spread, of a difference and of noise, see kSpreadPart and kNoisePart.
+// Factors of the squares of a spread, a difference and noise: kSpreadPart, kSlopePart, kNoisePart.
 uniform vec3 rough_parts;
 uniform vec4 even_light;   // evenDiffuse() and evenSpecular() of each light
 

@@ -80,7 +80,7 @@ void setLights(const FrameSetup& setup, GlProgram& program) {
   program.set("key_share", lighting.keyShare());
 }
 
-// Of texels with spreads, see rough_light.h.
+// Light on texels with spreads needs these, see rough_light.h.
 void setEdges(GlProgram& program) {
   constexpr double kSharpRate = 1 / (kSharpShare - kSoftShare);
   program.set("here_parts", Vec3d{kEvenPart, kOwnPart, kEdgePart});
