@@ -1,8 +1,31 @@
 #include "tests/support/vdb_writer.h"
 
-#include <openvdb/openvdb.h>
-
 #include <random>
+
+#include "io/vdb/vdb_library_grids.h"
+
+// OpenVDB's library may lack the functions that set voxels and tiles, since no reader calls them.
+#define SLUICE_SETTERS(Tree, Node)                                       \
+  template void Node::setValueOn(const Coord&, const Tree::ValueType&);  \
+  template void Node::setValueOff(const Coord&, const Tree::ValueType&); \
+  template void Node::addTile(Index, const Coord&, const Tree::ValueType&, bool);
+#define SLUICE_TREE_SETTERS(Tree)                         \
+  SLUICE_SETTERS(Tree, Tree::RootNodeType)                \
+  SLUICE_SETTERS(Tree, Tree::RootNodeType::ChildNodeType) \
+  SLUICE_SETTERS(Tree, Tree::RootNodeType::ChildNodeType::ChildNodeType)
+namespace openvdb {
+namespace OPENVDB_VERSION_NAME {
+SLUICE_TREE_SETTERS(FloatTree)
+SLUICE_TREE_SETTERS(DoubleTree)
+SLUICE_TREE_SETTERS(Int32Tree)
+SLUICE_TREE_SETTERS(Int64Tree)
+SLUICE_TREE_SETTERS(BoolTree)
+SLUICE_TREE_SETTERS(MaskTree)
+SLUICE_TREE_SETTERS(Vec3STree)
+}  // namespace OPENVDB_VERSION_NAME
+}  // namespace openvdb
+#undef SLUICE_TREE_SETTERS
+#undef SLUICE_SETTERS
 
 namespace sluice {
 namespace {
@@ -49,11 +72,10 @@ WrittenGrid writeMixed(const std::filesystem::path& path, typename Grid::ValueTy
   const auto lo = active.min(), hi = active.max();
   result.active = {{lo.x(), lo.y(), lo.z()}, {hi.x() + 1, hi.y() + 1, hi.z() + 1}};
   result.box = {result.active.lo - Vec3i{1, 1, 1}, result.active.hi + Vec3i{1, 1, 1}};
-  const auto accessor = grid->getConstAccessor();
   for (int z = lo.z() - 1; z <= hi.z() + 1; ++z)
     for (int y = lo.y() - 1; y <= hi.y() + 1; ++y)
       for (int x = lo.x() - 1; x <= hi.x() + 1; ++x)
-        result.values.push_back(static_cast<double>(accessor.getValue({x, y, z})));
+        result.values.push_back(static_cast<double>(tree.getValue({x, y, z})));
   result.leaves = static_cast<int64_t>(tree.leafCount());
   result.tiles = 3;
   return result;
