@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 #include <sluice/renderer.h>
 
+#include <algorithm>
 #include <array>
 #include <filesystem>
 #include <iterator>
@@ -31,22 +32,29 @@
 namespace sluice {
 namespace {
 
-// Options about how a picture is drawn or reported, as opposed to what it shows, besides those of
-// OptionPart::kPicture.
-constexpr std::array<std::string_view, 29> kOfOnePicture{
-    "--annotate",  "--aov",        "--trace",       "--report", "--debug-view", "--verify",
-    "--json",      "--culling",    "--algorithm",   "--page",   "--pages",      "--block",
-    "--partition", "--occlusion",  "--policy",      "--seed",   "--basis",      "--directions",
-    "--simd",      "--gl",         "--part",        "--detail", "--this-step",  "--path",
-    "--fit",       "--difference", "--progressive", "--merge",  "--levels"};
+// Options outside of the tables that frames of a path take: they say what is read and written, and
+// with which part of the machine. All others are about how one picture is drawn or reported.
+constexpr std::array<std::string_view, 14> kOfFrames{
+    "--size",    "--output", "--state",  "--rate",      "--frames", "--force",     "--continue",
+    "--threads", "--device", "--memory", "--index-dir", "--cache",  "--cache-dir", "--quiet"};
+
+bool framesTake(std::string_view name) {
+  const auto is_called = [&](const auto& entry) {
+    return entry.option == name || entry.kind.needs == name ||
+           std::ranges::count(entry.kind.flags, name) > 0;
+  };
+  return std::ranges::count(kOfFrames, name) > 0 || std::ranges::any_of(volumeTable(), is_called) ||
+         std::ranges::any_of(optionTable(), [&](const OptionEntry& entry) {
+           // --fit is about the view of one picture, too.
+           return entry.part != OptionPart::kPicture && entry.option != "--fit" && is_called(entry);
+         });
+}
 
 void checkOptions(const RenderArguments& arguments, const CLI::App& app) {
-  std::vector<std::string_view> names(kOfOnePicture.begin(), kOfOnePicture.end());
-  for (const OptionEntry& entry : optionTable())
-    if (entry.part == OptionPart::kPicture) names.push_back(entry.option);
-  for (const std::string_view name : names) {
-    const CLI::Option* option = app.get_option_no_throw(std::string(name));
-    if (option != nullptr && option->count() > 0)
+  for (const CLI::Option* option : app.get_options()) {
+    if (option->count() == 0 || option->get_lnames().empty()) continue;
+    const std::string name = "--" + option->get_lnames().front();
+    if (!framesTake(name))
       fail(
           "{}: frames of the path in {} do not take it; give -o a name without a number for one "
           "picture",
