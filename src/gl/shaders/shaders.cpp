@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "src/device/shading/rough_light.h"
 #include "src/gl/box_buffer.h"
 #include "src/gl/shaders/shader_text.h"
 
@@ -52,11 +53,13 @@ std::string definitions(const ShaderVariant& v) {
   std::string lines;
   for (const auto& [name, value] : numbersOf(v))
     lines += fmt::format("#define {} {}\n", name, value);
-  return lines;
+  // How often kSlopePart is in kSpreadPart, see rough_light.h.
+  return lines +
+         fmt::format("#define SLOPE_PARTS {:#.9g}\n", static_cast<float>(kSpreadPart / kSlopePart));
 }
 
 std::string undefined() {
-  std::string lines;
+  std::string lines = "#undef SLOPE_PARTS\n";
   for (const auto& [name, value] : numbersOf({})) lines += fmt::format("#undef {}\n", name);
   return lines;
 }

@@ -277,7 +277,7 @@ WideSlopes wideSlopes(vec3 at, float spread) {
   float here = mix(share * share * share, 1.0, sharp);
   float counted = min(spread * spread, max(4.0 * variance - here_parts.z * even, 0.0));
   float calm = leastOf(planes_calm, part.z);
-  float noise = max(min(calm * calm, counted) - even / 3.0, 0.0);
+  float noise = max(min(calm * calm, counted) - even / SLOPE_PARTS, 0.0);
   return WideSlopes(slopes / max(expected_line.z, 1e-37), here / (narrow * narrow), seen,
                     sqrt(counted), sqrt(noise));
 }
