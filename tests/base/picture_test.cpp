@@ -6,7 +6,7 @@
 #include <limits>
 #include <random>
 
-namespace sluice {
+namespace sluice::picture_test {
 namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
@@ -56,4 +56,4 @@ TEST(Picture, bytesWithoutABackgroundKeepStraightAlpha) {
 }
 
 }  // namespace
-}  // namespace sluice
+}  // namespace sluice::picture_test

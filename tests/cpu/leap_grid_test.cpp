@@ -15,7 +15,7 @@
 #include "tests/cpu/test_device.h"
 #include "tests/support/plain_device.h"
 
-namespace sluice {
+namespace sluice::leap_grid_test {
 namespace {
 
 constexpr Vec3i kDims{45, 38, 41};
@@ -316,4 +316,4 @@ TEST(LeapGridTest, aChunkThatComesBackLeapsAsBefore) {
 }
 
 }  // namespace
-}  // namespace sluice
+}  // namespace sluice::leap_grid_test

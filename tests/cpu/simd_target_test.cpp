@@ -20,7 +20,7 @@
 #include "tests/cpu/test_device.h"
 #include "tests/support/plain_device.h"
 
-namespace sluice {
+namespace sluice::simd_target_test {
 namespace {
 
 constexpr Vec3i kDims{21, 18, 16};
@@ -298,4 +298,4 @@ TEST(SimdTargetTest, targetsHaveNamesAndTheBestIsTheLast) {
 }
 
 }  // namespace
-}  // namespace sluice
+}  // namespace sluice::simd_target_test

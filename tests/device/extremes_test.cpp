@@ -17,7 +17,7 @@
 #include "tests/device/suite_device.h"
 #include "tests/support/plain_device.h"
 
-namespace sluice {
+namespace sluice::extremes_test {
 namespace {
 
 constexpr Vec3i kDims{19, 15, 17};
@@ -213,4 +213,4 @@ TEST_F(ExtremesTest, blocksAddNoSamplesOfTheirOwnButOnSharedPlanes) {
 }
 
 }  // namespace
-}  // namespace sluice
+}  // namespace sluice::extremes_test

@@ -15,7 +15,7 @@
 #include "tests/device/suite_device.h"
 #include "tests/support/plain_device.h"
 
-namespace sluice {
+namespace sluice::shares_test {
 namespace {
 
 constexpr Vec3i kDims{23, 19, 17};
@@ -282,4 +282,4 @@ TEST_F(SharesTest, leapingLeavesOutNothingThatShows) {
 }
 
 }  // namespace
-}  // namespace sluice
+}  // namespace sluice::shares_test

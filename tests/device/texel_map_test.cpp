@@ -18,7 +18,7 @@
 #include "tests/support/float_picture.h"
 #include "tests/support/plain_device.h"
 
-namespace sluice {
+namespace sluice::texel_map_test {
 namespace {
 
 constexpr Vec3i kDims{41, 33, 25};
@@ -289,4 +289,4 @@ TEST_F(TexelMapTest, extremesAreThoseOfTheTexels) {
 }
 
 }  // namespace
-}  // namespace sluice
+}  // namespace sluice::texel_map_test

@@ -4,8 +4,8 @@
   check_batches.py ROOT
 
 The presets demo, batches, asan-fast and tsan-fast compile many sources as one. What is local to a source, in
-a namespace without a name, then meets what is local to the others. Sources in SLUICE_APART of
-CMakeLists.txt are compiled by themselves. Prints each name that two sources of a target define, as
+a namespace without a name, then meets what is local to the others. A namespace of the source's own around it
+keeps them apart, and sources in SLUICE_APART of CMakeLists.txt are compiled by themselves. Prints each name that two sources of a target define, as
 FILE:LINE: reason; exit status 1 if there is one.
 """
 import pathlib
@@ -19,6 +19,7 @@ COMMENT = re.compile(r'#.*$', re.M)
 TYPE = re.compile(r'(?:struct|class|enum(?: class)?|union) (\w+)[^;]*\{|using (\w+) =')
 CONSTANT = re.compile(r'(?:inline |static )*const(?:expr)? .*')
 CONSTANT_NAME = re.compile(r'\b(k[A-Z]\w*)(?=\s*(?:=|\{|\[))')
+ENCLOSING = re.compile(r'namespace ([\w:]+) \{$')
 FUNCTION = re.compile(r'(?!return\b|template\b|using\b|namespace\b|TEST|void main\b)[\w:<>,&*\s\[\]]+?[\s&*](\w+)\((.*)$')
 
 
@@ -46,11 +47,13 @@ def parameters(text):
 
 
 def local_names(path):
-    """(line, name) of what a source defines in namespaces without a name."""
+    """(line, namespace, name) of what a source defines in namespaces without a name, within a namespace."""
     lines = path.read_text(errors='replace').splitlines()
-    found, inside = [], False
+    found, inside, around = [], False, ''
     for number, line in enumerate(lines, 1):
-        if line == 'namespace {':
+        if match := ENCLOSING.match(line):
+            around = match[1]
+        elif line == 'namespace {':
             inside = True
         elif line.startswith('}  // namespace'):
             inside = False
@@ -58,12 +61,12 @@ def local_names(path):
             continue
         rest = ' '.join(part.strip() for part in lines[number - 1:number + 5])
         if match := TYPE.match(line):
-            found.append((number, match[1] or match[2]))
+            found.append((number, around, match[1] or match[2]))
         elif CONSTANT.match(line) and CONSTANT_NAME.search(line):
-            found += [(number, name) for name in CONSTANT_NAME.findall(line)]
+            found += [(number, around, name) for name in CONSTANT_NAME.findall(line)]
         elif match := FUNCTION.match(line):
             behind = rest[rest.index(match[1] + '(') + len(match[1]) + 1:]
-            found.append((number, f'{match[1]}({parameters(behind)})'))
+            found.append((number, around, f'{match[1]}({parameters(behind)})'))
     return found
 
 
@@ -87,12 +90,12 @@ def check(root):
                 for path in sources:
                     if path.stem in apart or not path.is_file():
                         continue
-                    for number, name in local_names(path):
+                    for number, around, name in local_names(path):
                         file = path.relative_to(root).as_posix()
-                        first = seen.setdefault(name, f'{file}:{number}')
+                        first = seen.setdefault((around, name), f'{file}:{number}')
                         if not first.startswith(f'{file}:') and not is_same_alias(root, first, path, number):
                             complaints.append(f'{file}:{number}: {name} is local to {first} too, and target {target} '
-                                              'is compiled in batches: share it, rename it, or list the source in SLUICE_APART')
+                                              'is compiled in batches: share it, rename it, or give a source a namespace of its own')
     return complaints
 
 

@@ -42,6 +42,11 @@ class BatchesGate(unittest.TestCase):
     def test_lets_sources_be_that_are_compiled_apart(self):
         self.assertEqual(self.complaints('struct Row {', 'struct Row {', apart='two'), [])
 
+    def test_lets_namespaces_of_their_own_be(self):
+        one, two = ('namespace sluice%s {\nnamespace {\nstruct Row {\n};\n}  // namespace' % own for own in ('', '::two'))
+        self.assertEqual(self.complaints(one, two), [])
+        self.assertTrue(self.complaints(one, one))
+
     def test_looks_at_tests(self):
         cmake = CMAKE.replace('sluice_layer', 'sluice_test')
         self.assertTrue(self.complaints('struct Row {', 'struct Row {', folder='tests/a', cmake=cmake))

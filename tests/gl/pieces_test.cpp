@@ -4,7 +4,7 @@
 #include "tests/device/one_box.h"
 #include "tests/gl/test_device.h"
 
-namespace sluice {
+namespace sluice::pieces_test {
 namespace {
 
 // A box of more samples than a piece may have is drawn in bands of rows: the same picture.
@@ -32,4 +32,4 @@ TEST(PiecesTest, piecesDoNotShow) {
 }
 
 }  // namespace
-}  // namespace sluice
+}  // namespace sluice::pieces_test

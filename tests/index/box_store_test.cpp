@@ -14,7 +14,7 @@
 #include "tests/support/random_volume.h"
 #include "tests/support/temp_folder.h"
 
-namespace sluice {
+namespace sluice::box_store_test {
 namespace {
 
 constexpr uint64_t kPlenty = uint64_t{1} << 30;
@@ -210,4 +210,4 @@ TEST(BoxStore, aBlockOfBackgroundIsOneBoxAndIsNotRead) {
 }
 
 }  // namespace
-}  // namespace sluice
+}  // namespace sluice::box_store_test

@@ -14,7 +14,7 @@
 #include "src/base/error.h"
 #include "tests/support/temp_folder.h"
 
-namespace sluice {
+namespace sluice::index_file_test {
 namespace {
 
 using testing::HasSubstr;
@@ -269,4 +269,4 @@ TEST(IndexPlaces, syntheticVolumesHaveTheFolderAlone) {
 }
 
 }  // namespace
-}  // namespace sluice
+}  // namespace sluice::index_file_test

@@ -16,7 +16,7 @@
 #include "tests/support/random_volume.h"
 #include "tests/support/temp_folder.h"
 
-namespace sluice {
+namespace sluice::indexed_ranges_test {
 namespace {
 
 using testing::HasSubstr;
@@ -263,4 +263,4 @@ TEST_F(IndexedRangesTest, failedPassKeepsNothing) {
 }
 
 }  // namespace
-}  // namespace sluice
+}  // namespace sluice::indexed_ranges_test

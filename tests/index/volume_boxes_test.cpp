@@ -15,7 +15,7 @@
 #include "tests/support/function_source.h"
 #include "tests/support/random_volume.h"
 
-namespace sluice {
+namespace sluice::volume_boxes_test {
 namespace {
 
 std::vector<int64_t> allBlocks(const BlockLayout& layout) {
@@ -176,4 +176,4 @@ TEST(VolumeBoxes, aVisibleBackgroundIsCountedWithoutBeingRead) {
 }
 
 }  // namespace
-}  // namespace sluice
+}  // namespace sluice::volume_boxes_test

@@ -8,7 +8,7 @@
 #include "tests/io/image_test_support.h"
 #include "tests/support/memory_source.h"
 
-namespace sluice {
+namespace sluice::sequence_test {
 namespace {
 
 using testing::AllOf;
@@ -230,4 +230,4 @@ TEST(Sequence, threadsReadAtOnce) {
 }
 
 }  // namespace
-}  // namespace sluice
+}  // namespace sluice::sequence_test

@@ -10,7 +10,7 @@
 #include "src/render/camera/index_space.h"
 #include "tests/render/render_scene.h"
 
-namespace sluice {
+namespace sluice::camera_framing_test {
 namespace {
 
 constexpr PictureSize kWide{160, 90}, kHigh{60, 130}, kSquare{100, 100};
@@ -223,4 +223,4 @@ TEST_F(FramingPictureTest, whatIsVisibleFillsThePictureOfTheRenderer) {
 }
 
 }  // namespace
-}  // namespace sluice
+}  // namespace sluice::camera_framing_test

@@ -7,7 +7,7 @@
 #include "src/base/error.h"
 #include "tests/support/temp_folder.h"
 
-namespace sluice {
+namespace sluice::camera_path_test {
 namespace {
 
 using testing::AllOf;
@@ -186,4 +186,4 @@ TEST(CameraPath, hostileFilesAreRefused) {
 }
 
 }  // namespace
-}  // namespace sluice
+}  // namespace sluice::camera_path_test

@@ -10,7 +10,7 @@
 #include "src/base/error.h"
 #include "src/render/camera/camera_matrices.h"
 
-namespace sluice {
+namespace sluice::camera_test {
 namespace {
 
 using testing::HasSubstr;
@@ -248,4 +248,4 @@ TEST(Camera, numbersThatAreNotFiniteAreNamed) {
 }
 
 }  // namespace
-}  // namespace sluice
+}  // namespace sluice::camera_test

@@ -9,7 +9,7 @@
 #include "tests/render/blob_scene.h"
 #include "tests/render/real_volumes.h"
 
-namespace sluice {
+namespace sluice::gradient_test {
 namespace {
 
 constexpr double kOfReference = 2, kOfPlain = 1;
@@ -312,4 +312,4 @@ INSTANTIATE_TEST_SUITE_P(Data, GradientDataTest, testing::ValuesIn(realVolumes()
                          [](const auto& each) { return std::string(each.param.name); });
 
 }  // namespace
-}  // namespace sluice
+}  // namespace sluice::gradient_test

@@ -6,7 +6,7 @@
 #include "src/render/camera/index_space.h"
 #include "tests/render/render_scene.h"
 
-namespace sluice {
+namespace sluice::grid_test {
 namespace {
 
 constexpr double kOfReference = 2, kOfPlain = 1;
@@ -136,4 +136,4 @@ TEST_F(GridTest, mirroredGridGivesTheMirroredPicture) {
 }
 
 }  // namespace
-}  // namespace sluice
+}  // namespace sluice::grid_test

@@ -8,7 +8,7 @@
 #include "tests/render/blob_scene.h"
 #include "tests/render/right_picture.h"
 
-namespace sluice {
+namespace sluice::integrated_test {
 namespace {
 
 constexpr double kOfReference = 2;
@@ -128,4 +128,4 @@ TEST_F(IntegratedTest, isNearerToTheTruthThanSamplesHalfAsFarApart) {
 }
 
 }  // namespace
-}  // namespace sluice
+}  // namespace sluice::integrated_test

@@ -10,7 +10,7 @@
 #include "tests/render/render_scene.h"
 #include "tests/support/random_volume.h"
 
-namespace sluice {
+namespace sluice::modes_test {
 namespace {
 
 // Software GL against a renderer in double precision.
@@ -245,4 +245,4 @@ TEST_F(ModesTest, aThresholdAboveTheRangeIsAsBrightAsTheMaximum) {
 }
 
 }  // namespace
-}  // namespace sluice
+}  // namespace sluice::modes_test

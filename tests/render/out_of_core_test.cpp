@@ -14,7 +14,7 @@
 #include "tests/support/failing_source.h"
 #include "tests/support/random_volume.h"
 
-namespace sluice {
+namespace sluice::out_of_core_test {
 namespace {
 
 constexpr Vec3i kDims{60, 52, 44};
@@ -270,4 +270,4 @@ TEST_F(OutOfCoreTest, aFailureAheadEndsTheFrameThatNeedsItAndNoOther) {
 }
 
 }  // namespace
-}  // namespace sluice
+}  // namespace sluice::out_of_core_test

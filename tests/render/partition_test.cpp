@@ -12,7 +12,7 @@
 #include "tests/support/counting_source.h"
 #include "tests/support/random_volume.h"
 
-namespace sluice {
+namespace sluice::partition_test {
 namespace {
 
 constexpr double kOfReference = 2, kOfBlocks = 1;
@@ -227,4 +227,4 @@ INSTANTIATE_TEST_SUITE_P(Data, PartitionDataTest, testing::ValuesIn(realVolumes(
                          [](const auto& each) { return std::string(each.param.name); });
 
 }  // namespace
-}  // namespace sluice
+}  // namespace sluice::partition_test

@@ -8,7 +8,7 @@
 #include "tests/render/render_scene.h"
 #include "tests/support/random_volume.h"
 
-namespace sluice {
+namespace sluice::picture_test {
 namespace {
 
 // Tolerances in 1/255: to the reference, and to the unaccelerated picture.
@@ -297,4 +297,4 @@ TEST_F(PictureTest, syntheticVolumesOfEveryKind) {
 }
 
 }  // namespace
-}  // namespace sluice
+}  // namespace sluice::picture_test

@@ -8,7 +8,7 @@
 #include "tests/render/render_scene.h"
 #include "tests/support/counting_source.h"
 
-namespace sluice {
+namespace sluice::real_accounting_test {
 namespace {
 
 constexpr int64_t kBlock = 32;
@@ -103,4 +103,4 @@ INSTANTIATE_TEST_SUITE_P(Data, RealAccountingTest, testing::ValuesIn(realVolumes
                          [](const auto& each) { return std::string(each.param.name); });
 
 }  // namespace
-}  // namespace sluice
+}  // namespace sluice::real_accounting_test

@@ -10,7 +10,7 @@
 #include "src/classify/transfer/transfer_makers.h"
 #include "tests/render/render_scene.h"
 
-namespace sluice {
+namespace sluice::real_volumes_test {
 namespace {
 
 constexpr double kOfReference = 2, kOfPlain = 1;
@@ -109,4 +109,4 @@ TEST(RealVolumes, eachEntryOfTheFolderIsDrawnByATest) {
 }
 
 }  // namespace
-}  // namespace sluice
+}  // namespace sluice::real_volumes_test

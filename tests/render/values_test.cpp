@@ -9,7 +9,7 @@
 #include "tests/render/render_scene.h"
 #include "tests/support/random_volume.h"
 
-namespace sluice {
+namespace sluice::values_test {
 namespace {
 
 constexpr double kOfReference = 2, kOfPlain = 1;
@@ -191,4 +191,4 @@ TEST_F(ValuesTest, farOutlierDoesNotSpoilTheRest) {
 }
 
 }  // namespace
-}  // namespace sluice
+}  // namespace sluice::values_test

@@ -10,7 +10,7 @@
 #include "io/pictures/png_file.h"
 #include "tests/tools/program.h"
 
-namespace sluice {
+namespace sluice::out_of_core_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -279,4 +279,4 @@ TEST(OutOfCore, aLimitedPictureSaysWhetherItIsWholeAndTheNextOnesLackNoMore) {
 }
 
 }  // namespace
-}  // namespace sluice
+}  // namespace sluice::out_of_core_test

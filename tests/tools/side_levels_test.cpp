@@ -14,7 +14,7 @@
 #include "io/zarr/reading/zarr_codec.h"
 #include "tests/tools/program.h"
 
-namespace sluice {
+namespace sluice::side_levels_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -392,4 +392,4 @@ TEST_F(ShortPyramid, beginsWithASampleOfItsCoarsestLevelIfTimeIsShort) {
 }
 
 }  // namespace
-}  // namespace sluice
+}  // namespace sluice::side_levels_test

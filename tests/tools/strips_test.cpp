@@ -10,7 +10,7 @@
 
 #include "tests/tools/program.h"
 
-namespace sluice {
+namespace sluice::strips_test {
 namespace {
 
 using testing::HasSubstr;
@@ -236,4 +236,4 @@ TEST(Strips, messageNamesTheMemoryThatHoldsTheWholePicture) {
 }
 
 }  // namespace
-}  // namespace sluice
+}  // namespace sluice::strips_test

@@ -11,7 +11,7 @@
 #include "tests/support/random_volume.h"
 #include "tests/volume/slice_ranges_check.h"
 
-namespace sluice {
+namespace sluice::brick_ranges_test {
 namespace {
 
 constexpr std::array kTypes = {VoxelType::kU8, VoxelType::kI16, VoxelType::kF32, VoxelType::kF64};
@@ -121,4 +121,4 @@ TEST(BrickRanges, aSparseVolumeHasThemWhereItHasVoxels) {
 }
 
 }  // namespace
-}  // namespace sluice
+}  // namespace sluice::brick_ranges_test

@@ -10,7 +10,7 @@
 #include "io/open_volume.h"
 #include "tests/support/memory_source.h"
 
-namespace sluice {
+namespace sluice::byte_order_hint_test {
 namespace {
 
 constexpr Vec3i kDims{60, 50, 40};
@@ -89,4 +89,4 @@ TEST(ByteOrderHint, realVolumesOfSixteenBits) {
 }
 
 }  // namespace
-}  // namespace sluice
+}  // namespace sluice::byte_order_hint_test

@@ -11,7 +11,7 @@
 #include "tests/support/failing_memory.h"
 #include "tests/support/random_volume.h"
 
-namespace sluice {
+namespace sluice::packed_blocks_test {
 namespace {
 
 using testing::IsEmpty;
@@ -142,4 +142,4 @@ TEST_F(PackedBlocksTest, whereMemoryRunsOutNoBlockIsLeftHalfDone) {
 }
 
 }  // namespace
-}  // namespace sluice
+}  // namespace sluice::packed_blocks_test

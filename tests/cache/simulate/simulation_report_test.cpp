@@ -6,7 +6,7 @@
 
 #include "tests/cache/simulate/turntable.h"
 
-namespace sluice {
+namespace sluice::simulation_report_test {
 namespace {
 
 TEST(SimulationReport, sizesGoFromTheHeaviestChunkToEverything) {
@@ -61,4 +61,4 @@ TEST(SimulationReport, ofACacheOfTwoToThe31PagesShowsTheFirst) {
 }
 
 }  // namespace
-}  // namespace sluice
+}  // namespace sluice::simulation_report_test

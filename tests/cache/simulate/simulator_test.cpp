@@ -10,7 +10,7 @@
 #include "cache/simulate/bench_simulate.h"
 #include "cache/simulate/lru_replay.h"
 
-namespace sluice {
+namespace sluice::simulator_test {
 namespace {
 
 // Chunks of 1 to `heaviest` pages, most of the requests to few of them, a cluster each 8 requests.
@@ -300,4 +300,4 @@ TEST(BenchSimulate, measuresTwoThingsThatAgree) {
 }
 
 }  // namespace
-}  // namespace sluice
+}  // namespace sluice::simulator_test

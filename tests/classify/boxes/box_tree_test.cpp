@@ -14,7 +14,7 @@
 #include "tests/support/random_volume.h"
 #include "tests/support/tree_visit.h"
 
-namespace sluice {
+namespace sluice::box_tree_test {
 namespace {
 
 struct Ray {
@@ -286,4 +286,4 @@ TEST(BoxTree, thinBoxesJoinTheirSiblings) {
 }
 
 }  // namespace
-}  // namespace sluice
+}  // namespace sluice::box_tree_test

@@ -10,7 +10,7 @@
 #include "tests/classify/device_volume.h"
 #include "tests/support/random_volume.h"
 
-namespace sluice {
+namespace sluice::brick_grid_test {
 namespace {
 
 Vec3d gradientAt(const DeviceVolume& volume, Vec3i p, Vec3d voxel_size) {
@@ -143,4 +143,4 @@ TEST(BrickGrid, boxesOfBricksAndOfCellsCorrespond) {
 }
 
 }  // namespace
-}  // namespace sluice
+}  // namespace sluice::brick_grid_test

@@ -8,7 +8,7 @@
 #include "io/open_volume.h"
 #include "tests/classify/boxes/partition.h"
 
-namespace sluice {
+namespace sluice::growing_boxes_data_test {
 namespace {
 
 struct RealVolume {
@@ -127,4 +127,4 @@ INSTANTIATE_TEST_SUITE_P(
     testName);
 
 }  // namespace
-}  // namespace sluice
+}  // namespace sluice::growing_boxes_data_test

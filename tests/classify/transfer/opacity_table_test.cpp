@@ -7,13 +7,13 @@
 #include <limits>
 #include <random>
 
-namespace sluice {
+namespace sluice::opacity_table_test {
 namespace {
 
 const ValueMap kBytes{DeviceType::kU8, 1, 0};
 const ValueMap kFloats{DeviceType::kF32, 1, 0};
 
-TransferFunction transferOf(std::vector<OpacityPoint> opacities) {
+TransferFunction coloredTransfer(std::vector<OpacityPoint> opacities) {
   TransferFunction transfer;
   transfer.colors = {{0, {0, 0.25, 1}}, {255, {1, 0.5, 0}}};
   transfer.opacities = std::move(opacities);
@@ -40,11 +40,11 @@ TransferFunction randomBands(std::mt19937_64& random, double lo, double hi) {
     points.push_back({hard ? v[3] : v[2], 0.25});
     points.push_back({v[3], 0});
   }
-  return transferOf(points);
+  return coloredTransfer(points);
 }
 
 TEST(OpacityTable, integersFallOnEntries) {
-  const TransferFunction ramp = transferOf({{0, 0}, {60000, 1}});
+  const TransferFunction ramp = coloredTransfer({{0, 0}, {60000, 1}});
   for (const int64_t span : {1, 2, 7, 100, 255, 4095, 5000, 16383})
     for (const int64_t lo : {0, 17}) {
       const ValueMap map{span < 256 ? DeviceType::kU8 : DeviceType::kU16, 1, 0};
@@ -62,7 +62,7 @@ TEST(OpacityTable, integersFallOnEntries) {
 }
 
 TEST(OpacityTable, bytesOfAStepHaveTheEntriesOfTheirColors) {
-  TransferFunction step = transferOf({{20, 0}, {20, 0.5}});
+  TransferFunction step = coloredTransfer({{20, 0}, {20, 0.5}});
   step.colors = {{0, {0, 0, 0}}, {250, {1, 1, 1}}};
   const ValueMap bytes{DeviceType::kU8, 1, 0};
   const OpacityTable one(step, bytes, {0, 60}), all(step, bytes, {0, 250});
@@ -72,7 +72,7 @@ TEST(OpacityTable, bytesOfAStepHaveTheEntriesOfTheirColors) {
 }
 
 TEST(OpacityTable, wideRangesGetAllEntries) {
-  const TransferFunction ramp = transferOf({{0, 0}, {60000, 1}});
+  const TransferFunction ramp = coloredTransfer({{0, 0}, {60000, 1}});
   const ValueMap map{DeviceType::kU16, 1, 0};
   EXPECT_EQ(OpacityTable(ramp, map, {0, 65535}).entries(), 16384);
   EXPECT_EQ(OpacityTable(ramp, map, {0, 65535}, 1000).entries(), 1000);
@@ -80,7 +80,7 @@ TEST(OpacityTable, wideRangesGetAllEntries) {
 }
 
 TEST(OpacityTable, entriesHoldTheTransferFunction) {
-  const TransferFunction transfer = transferOf({{10, 0}, {100, 0.5}, {200, 0.25}});
+  const TransferFunction transfer = coloredTransfer({{10, 0}, {100, 0.5}, {200, 0.25}});
   const ValueMap map{DeviceType::kU8, 2, -20};  // value = 2 device - 20
   const OpacityTable table(transfer, map, {5, 120});
   for (int entry = 0; entry < table.entries(); ++entry) {
@@ -93,7 +93,7 @@ TEST(OpacityTable, entriesHoldTheTransferFunction) {
 }
 
 TEST(OpacityTable, aSampleTakesTheNearestEntry) {
-  const OpacityTable table(transferOf({{0, 0}, {1, 1}}), kFloats, {-3, 5}, 257);
+  const OpacityTable table(coloredTransfer({{0, 0}, {1, 1}}), kFloats, {-3, 5}, 257);
   std::mt19937_64 random(1);
   for (int trial = 0; trial < 10000; ++trial) {
     const double device = -4 + 10 * (static_cast<double>(random() >> 11) * 0x1p-53);
@@ -109,7 +109,7 @@ TEST(OpacityTable, aSampleTakesTheNearestEntry) {
 }
 
 TEST(OpacityTable, aRangeOfOneValueIsOneAnswer) {
-  const TransferFunction step = transferOf({{7, 0}, {7, 0.5}});
+  const TransferFunction step = coloredTransfer({{7, 0}, {7, 0.5}});
   for (const ValueMap& map : {kBytes, kFloats}) {
     EXPECT_TRUE(OpacityTable(step, map, {7, 7}).shown().anyIn(7, 7));
     EXPECT_FALSE(OpacityTable(step, map, {6, 6}).shown().anyIn(6, 6));
@@ -153,7 +153,7 @@ TEST(OpacityTable, aVisibleValueIsNeverCalledInvisible) {
 }
 
 TEST(OpacityTable, anIntervalOfZerosIsInvisible) {
-  const OpacityTable table(transferOf({{99, 0}, {100, 0.5}, {101, 0}}), kBytes, {0, 255});
+  const OpacityTable table(coloredTransfer({{99, 0}, {100, 0.5}, {101, 0}}), kBytes, {0, 255});
   EXPECT_FALSE(table.shown().anyIn(0, 98.9));
   EXPECT_FALSE(table.shown().anyIn(101.1, 255));
   EXPECT_TRUE(table.shown().anyIn(100, 100));
@@ -161,7 +161,7 @@ TEST(OpacityTable, anIntervalOfZerosIsInvisible) {
 }
 
 TEST(OpacityTable, singlePrecisionMayMoveAValueToTheNextEntry) {
-  const OpacityTable table(transferOf({{39.5, 0}, {39.5, 0.5}}), kFloats, {0, 255});
+  const OpacityTable table(coloredTransfer({{39.5, 0}, {39.5, 0.5}}), kFloats, {0, 255});
   const double width = 255.0 / (table.entries() - 1);
   // Values next to the first visible entry on the invisible side.
   int first = 0;
@@ -172,7 +172,7 @@ TEST(OpacityTable, singlePrecisionMayMoveAValueToTheNextEntry) {
 }
 
 TEST(OpacityTable, aStepIsARampOverAFewEntriesBelowIt) {
-  const OpacityTable table(transferOf({{40, 0}, {40, 0.6}}), kBytes, {0, 255});
+  const OpacityTable table(coloredTransfer({{40, 0}, {40, 0.6}}), kBytes, {0, 255});
   const double entries_per_value = (table.entries() - 1) / 255.0;
   const auto opacity = [&](double value) {
     return table.opacity()[static_cast<size_t>(std::lround(value * entries_per_value))];
@@ -191,7 +191,7 @@ TEST(OpacityTable, aStepIsARampOverAFewEntriesBelowIt) {
 
 TEST(OpacityTable, aSmallStepIsSpreadUntilNoSampleNeedsToInterpolate) {
   // The step of `--threshold`: a fifth of the opacity at the top.
-  const OpacityTable table(transferOf({{40, 0}, {40, 0.01}, {255, 0.05}}), kBytes, {0, 255});
+  const OpacityTable table(coloredTransfer({{40, 0}, {40, 0.01}, {255, 0.05}}), kBytes, {0, 255});
   EXPECT_FALSE(table.mustInterpolate());
   EXPECT_LE(table.stepEntries(), 8);
   EXPECT_EQ(table.opacity()[static_cast<size_t>(table.entryOf(39.8))], 0);
@@ -199,14 +199,14 @@ TEST(OpacityTable, aSmallStepIsSpreadUntilNoSampleNeedsToInterpolate) {
 }
 
 TEST(OpacityTable, aStepDownIsARampOverAFewEntriesBelowItToo) {
-  const OpacityTable table(transferOf({{40, 0.6}, {40, 0}}), kBytes, {0, 255});
+  const OpacityTable table(coloredTransfer({{40, 0.6}, {40, 0}}), kBytes, {0, 255});
   EXPECT_FLOAT_EQ(table.opacity()[static_cast<size_t>(table.entryOf(39.9))], 0.6F);
   EXPECT_EQ(table.opacity()[static_cast<size_t>(table.entryOf(40))], 0);
 }
 
 TEST(OpacityTable, whatIsVisibleStaysSoWhereStepsAreSpread) {
   // A band of one entry: two steps, closer together than they are spread.
-  const OpacityTable table(transferOf({{50, 0}, {50, 0.5}, {51, 0.5}, {51, 0}}), kFloats,
+  const OpacityTable table(coloredTransfer({{50, 0}, {50, 0.5}, {51, 0.5}, {51, 0}}), kFloats,
                            {0, 16383});
   ASSERT_EQ(table.entries(), 16384);
   EXPECT_GT(table.opacity()[50], 0);
@@ -216,14 +216,14 @@ TEST(OpacityTable, whatIsVisibleStaysSoWhereStepsAreSpread) {
 }
 
 TEST(OpacityTable, floatsThatHoldIntegersFallOnEntriesToo) {
-  const OpacityTable table(transferOf({{40, 0}, {40, 0.6}}), kFloats, {0, 255});
+  const OpacityTable table(coloredTransfer({{40, 0}, {40, 0.6}}), kFloats, {0, 255});
   EXPECT_EQ((table.entries() - 1) % 255, 0);
   EXPECT_FLOAT_EQ(table.opacity()[static_cast<size_t>(table.entryOf(40))], 0.6F);
 }
 
 // Simulations write a value far off the data where they know nothing.
 TEST(OpacityTable, aValueFarOffLeavesTheEntriesToWhereTheTransferFunctionChanges) {
-  TransferFunction transfer = transferOf({{0.2, 0}, {0.8, 0.5}});
+  TransferFunction transfer = coloredTransfer({{0.2, 0}, {0.8, 0.5}});
   transfer.colors = {{0, {0, 0, 1}}, {1, {1, 0, 0}}};
   for (const ValueRange range : {ValueRange{0, 1e20}, {-9999, 1}, {-1e20, 1e25}}) {
     const OpacityTable table(transfer, kFloats, range);
@@ -257,8 +257,9 @@ TEST(OpacityTable, aValueFarOffLeavesTheEntriesToWhereTheTransferFunctionChanges
 }
 
 TEST(OpacityTable, aSampleInterpolatesWhereNeighborsDifferVisibly) {
-  EXPECT_TRUE(OpacityTable(transferOf({{40, 0}, {40, 0.6}}), kBytes, {0, 255}).mustInterpolate());
-  TransferFunction gentle = transferOf({{0, 0}, {255, 0.05}});
+  EXPECT_TRUE(
+      OpacityTable(coloredTransfer({{40, 0}, {40, 0.6}}), kBytes, {0, 255}).mustInterpolate());
+  TransferFunction gentle = coloredTransfer({{0, 0}, {255, 0.05}});
   EXPECT_FALSE(OpacityTable(gentle, kBytes, {0, 255}).mustInterpolate());
   // A step of the color shows only where it is opaque.
   gentle.colors = {{100, {0, 0, 0}}, {100, {1, 1, 1}}};
@@ -268,4 +269,4 @@ TEST(OpacityTable, aSampleInterpolatesWhereNeighborsDifferVisibly) {
 }
 
 }  // namespace
-}  // namespace sluice
+}  // namespace sluice::opacity_table_test

@@ -16,7 +16,7 @@
 #include "tests/support/gradient_factor.h"
 #include "tests/support/temp_folder.h"
 
-namespace sluice {
+namespace sluice::transfer_file_test {
 namespace {
 
 using testing::AllOf;
@@ -339,4 +339,4 @@ TEST(TransferFile, rejectsGradientOpacitiesByPlace) {
 }
 
 }  // namespace
-}  // namespace sluice
+}  // namespace sluice::transfer_file_test

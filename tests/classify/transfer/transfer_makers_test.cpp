@@ -11,7 +11,7 @@
 #include "src/base/values/histogram.h"
 #include "tests/support/gradient_factor.h"
 
-namespace sluice {
+namespace sluice::transfer_makers_test {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -141,4 +141,4 @@ TEST(ModulateByGradient, rejectsWhatIsNoMagnitudeAndASecondTime) {
 }
 
 }  // namespace
-}  // namespace sluice
+}  // namespace sluice::transfer_makers_test

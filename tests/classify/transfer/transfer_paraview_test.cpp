@@ -16,7 +16,7 @@
 #include "tests/support/run_command.h"
 #include "tests/support/temp_folder.h"
 
-namespace sluice {
+namespace sluice::transfer_paraview_test {
 namespace {
 
 using testing::AllOf;
@@ -252,4 +252,4 @@ TEST(ParaviewMap, followsVtkInEverySpace) {
 }
 
 }  // namespace
-}  // namespace sluice
+}  // namespace sluice::transfer_paraview_test

@@ -4,7 +4,7 @@
 
 #include "tests/io/headers/volume_files.h"
 
-namespace sluice {
+namespace sluice::file_set_test {
 namespace {
 
 using testing::HasSubstr;
@@ -62,4 +62,4 @@ TEST(FileSetTest, rejectsNamesThatWouldSpoilATerminal) {
 }
 
 }  // namespace
-}  // namespace sluice
+}  // namespace sluice::file_set_test

@@ -9,7 +9,7 @@
 #include "io/headers/meta_image/meta_image_header.h"
 #include "tests/io/headers/volume_files.h"
 
-namespace sluice {
+namespace sluice::meta_image_test {
 namespace {
 
 using testing::HasSubstr;
@@ -304,4 +304,4 @@ for kind in ['u1', 'i1', 'u2', 'i2', 'u4', 'i4', 'f4', 'f8']:
 }
 
 }  // namespace
-}  // namespace sluice
+}  // namespace sluice::meta_image_test

@@ -12,7 +12,7 @@
 #include "io/headers/nifti/nifti_header.h"
 #include "tests/io/headers/volume_files.h"
 
-namespace sluice {
+namespace sluice::nifti_test {
 namespace {
 
 using testing::HasSubstr;
@@ -417,4 +417,4 @@ for name in ['a.nii', 'b.nii.gz', 'c.hdr']:
 }
 
 }  // namespace
-}  // namespace sluice
+}  // namespace sluice::nifti_test

@@ -7,7 +7,7 @@
 #include "tests/io/headers/nrrd_headers.h"
 #include "tests/io/headers/volume_files.h"
 
-namespace sluice {
+namespace sluice::nrrd_header_test {
 namespace {
 
 using testing::HasSubstr;
@@ -324,4 +324,4 @@ TEST(NrrdHeaderTest, everyTruncationIsAnError) {
 }
 
 }  // namespace
-}  // namespace sluice
+}  // namespace sluice::nrrd_header_test

@@ -10,7 +10,7 @@
 #include "tests/io/headers/nrrd_headers.h"
 #include "tests/io/headers/volume_files.h"
 
-namespace sluice {
+namespace sluice::nrrd_test {
 namespace {
 
 using testing::HasSubstr;
@@ -197,4 +197,4 @@ TEST(NrrdPeerTest, readsSeveralFilesAsUnuDoes) {
 }
 
 }  // namespace
-}  // namespace sluice
+}  // namespace sluice::nrrd_test

@@ -8,7 +8,7 @@
 
 #include "tests/io/headers/volume_files.h"
 
-namespace sluice {
+namespace sluice::raw_source_test {
 namespace {
 
 constexpr VoxelType kType = VoxelType::kU16;
@@ -236,4 +236,4 @@ TEST(RawSourceTest, countsTheHeadersBytesToo) {
 }
 
 }  // namespace
-}  // namespace sluice
+}  // namespace sluice::raw_source_test

@@ -9,7 +9,7 @@
 
 #include "tests/io/headers/volume_files.h"
 
-namespace sluice {
+namespace sluice::raw_test {
 namespace {
 
 using testing::EndsWith;
@@ -163,4 +163,4 @@ TEST(RawTest, threadsMayReadAtOnce) {
 }
 
 }  // namespace
-}  // namespace sluice
+}  // namespace sluice::raw_test

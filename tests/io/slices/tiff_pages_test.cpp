@@ -9,7 +9,7 @@
 #include "src/base/sources/volume_levels.h"
 #include "tests/io/python_volumes.h"
 
-namespace sluice {
+namespace sluice::tiff_pages_test {
 namespace {
 
 using testing::AllOf;
@@ -293,4 +293,4 @@ TEST(TiffStrips, areReadWhole) {
 }
 
 }  // namespace
-}  // namespace sluice
+}  // namespace sluice::tiff_pages_test

@@ -10,7 +10,7 @@
 #include "tests/io/python_volumes.h"
 #include "tests/io/zarr/zarr_case.h"
 
-namespace sluice {
+namespace sluice::zarr_source_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -311,4 +311,4 @@ TEST(Zarr, aMissingArrayOrAFolderOutsideIsRefused) {
 }
 
 }  // namespace
-}  // namespace sluice
+}  // namespace sluice::zarr_source_test

@@ -13,7 +13,7 @@
 #include "tests/support/function_source.h"
 #include "tests/support/random_volume.h"
 
-namespace sluice {
+namespace sluice::zarr_writer_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -389,4 +389,4 @@ TEST_F(PackedDamage, aChangedArrayHeaderIsAnError) {
 }
 
 }  // namespace
-}  // namespace sluice
+}  // namespace sluice::zarr_writer_test
