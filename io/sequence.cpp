@@ -74,6 +74,7 @@ SequenceSource::SequenceSource(std::vector<std::string> steps, Opener opener, si
   identity_ = "sequence|" + identityOfSteps(*first) + "|first: " + first->identity();
   if (channel_) identity_ += "|channel called " + channel_->name;
   held_bytes_a_thread_ = first->heldBytesAThread();
+  units_ = sluice::readUnits(*first);
   const std::span<const StoredLook> looks = sluice::channelLooks(*first);
   channel_looks_.assign(looks.begin(), looks.end());
   open_.push_front({0, std::move(first)});
@@ -129,6 +130,13 @@ std::vector<std::string> SequenceSource::files() {
 
 void SequenceSource::readRegion(int64_t time, const Box3& box, std::span<std::byte> out) {
   at(time)->readRegion(0, box, out);
+}
+
+std::optional<StoredReads> SequenceSource::storedReads(int64_t time,
+                                                       std::span<const LevelBox> boxes,
+                                                       uint64_t held_bytes) {
+  // A file that is open has its share of the memory.
+  return sluice::storedReads(*at(time), 0, boxes, held_bytes / max_open_files_);
 }
 
 void SequenceSource::readRegions(int64_t time, std::span<const RegionRead> regions) {

@@ -16,13 +16,18 @@
 #include <vector>
 
 #include "io/files/channel_choice.h"
+#include "src/base/sources/read_units.h"
+#include "src/base/sources/stored_reads.h"
 #include "src/base/sources/volume_channels.h"
 #include "src/base/sources/volume_source.h"
 #include "src/base/threads/mutex.h"
 
 namespace sluice {
 
-class SequenceSource final : public VolumeSource, public ChanneledSource {
+class SequenceSource final : public VolumeSource,
+                             public ChanneledSource,
+                             public UnitSource,
+                             public StoredSource {
  public:
   // Opens the volume of one time step. `channel`: to be read in place of the one that the user
   // asked for. Called from any thread.
@@ -52,6 +57,10 @@ class SequenceSource final : public VolumeSource, public ChanneledSource {
   // Looks from the first file.
   std::span<const StoredLook> channelLooks() const override { return channel_looks_; }
   uint64_t storedBytesRead() const override;
+  // Of the first file.
+  ReadUnits readUnits() const override { return units_; }
+  std::optional<StoredReads> storedReads(int64_t time, std::span<const LevelBox> boxes,
+                                         uint64_t held_bytes) override;
   uint64_t heldBytesAThread() const override { return held_bytes_a_thread_; }
   // Opens each step whose files are not known, one after the other.
   std::vector<std::string> files() override;
@@ -83,6 +92,7 @@ class SequenceSource final : public VolumeSource, public ChanneledSource {
   std::optional<ChannelWish> channel_;      // constant after construction; for opener_
   std::vector<StoredLook> channel_looks_;   // constant after construction
   uint64_t held_bytes_a_thread_ = 0;        // constant after construction
+  ReadUnits units_;                         // constant after construction
 
   OpenFile* find(int64_t time) SLUICE_REQUIRES(mutex_);
 

@@ -19,6 +19,7 @@
 #include "src/base/files/program_module.h"
 #include "src/base/sources/read_units.h"
 #include "src/base/sources/region_check.h"
+#include "src/base/sources/stored_reads.h"
 
 namespace sluice {
 namespace {
@@ -36,7 +37,7 @@ DecodeDicomFrame* openDecoder(const std::string& volume) {
   }
 }
 
-class DicomSource final : public VolumeSource, public UnitSource {
+class DicomSource final : public VolumeSource, public UnitSource, public StoredSource {
  public:
   DicomSource(std::vector<DicomHeader> headers, const std::string& path,
               const DicomOptions& options)
@@ -70,16 +71,25 @@ class DicomSource final : public VolumeSource, public UnitSource {
   ReadUnits readUnits() const override { return {.voxels = {layout_.dims.x, layout_.dims.y, 1}}; }
   uint64_t heldBytesAThread() const override { return decoder_bytes_ + 2 * bands_->bandBytes(); }
   void holdAtMost(uint64_t bytes) override { bands_->holdAtMost(bytes); }
+  std::optional<StoredReads> storedReads(int64_t /*time*/, std::span<const LevelBox> boxes,
+                                         uint64_t held_bytes) override {
+    // Frames that are not compressed are read, not decoded.
+    if (most_code_bytes_ == 0) return std::nullopt;
+    std::vector<Box3> read;
+    for (const LevelBox& box : boxes) read.push_back(box.box);
+    return bands_->storedReads(std::move(read), held_bytes);
+  }
 
   void readRegion(int64_t time, const Box3& box, std::span<std::byte> out) override {
-    const size_t voxel_bytes = bytesPerVoxel(layout_.type);
-    checkRegion(layout_, time, box, out);
-    const size_t plane_bytes = static_cast<size_t>(box.size().x * box.size().y) * voxel_bytes;
-    std::byte* to = out.data();
-    for (int64_t z = box.lo.z; z < box.hi.z; ++z, to += plane_bytes) {
+    const RegionRead region{box, out};
+    readRegions(time, std::span(&region, 1));
+  }
+  void readRegions(int64_t time, std::span<const RegionRead> regions) override {
+    for (const RegionRead& region : regions) checkRegion(layout_, time, region.box, region.out);
+    bands_->copy(regions, bytesPerVoxel(layout_.type), [&](int64_t z) {
       stop_.throwIfStopped();
-      bands_->copy(time * layout_.dims.z + z, box, voxel_bytes, to);
-    }
+      return time * layout_.dims.z + z;
+    });
   }
 
  private:
@@ -160,11 +170,13 @@ class DicomSource final : public VolumeSource, public UnitSource {
                          ? static_cast<uint64_t>(form_.pixelBytes() * layout_.dims.x * rows)
                          : kDecoderBytes + 4 * most_code_bytes_ + 4 * frame_bytes +
                                4 * static_cast<uint64_t>(form_.columns * form_.rows);
-    bands_.emplace(
-        PlaneBands::Shape{.height = layout_.dims.y, .row_bytes = row_bytes, .band_rows = rows},
-        [this](int64_t plane, int64_t first, int64_t count, std::span<std::byte> out) {
-          decode(static_cast<size_t>(plane), first, count, out);
-        });
+    bands_.emplace(PlaneBands::Shape{.height = layout_.dims.y,
+                                     .row_bytes = row_bytes,
+                                     .band_rows = rows,
+                                     .unit_rows = layout_.dims.y},
+                   [this](int64_t plane, int64_t first, int64_t count, std::span<std::byte> out) {
+                     decode(static_cast<size_t>(plane), first, count, out);
+                   });
   }
 
   void decode(size_t plane, int64_t first, int64_t count, std::span<std::byte> out) {

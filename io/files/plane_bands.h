@@ -9,11 +9,13 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <span>
 #include <vector>
 
+#include "src/base/sources/stored_reads.h"
+#include "src/base/sources/volume_source.h"
 #include "src/base/threads/single_flight_cache.h"
-#include "src/base/values/vec.h"
 
 namespace sluice {
 
@@ -24,6 +26,9 @@ class PlaneBands {
     int64_t height = 1;     // rows of a plane
     int64_t row_bytes = 1;  // of a row
     int64_t band_rows = 1;  // of a band; the last one of a plane may have fewer
+    // Compressed pieces that are decoded as a whole, such as the tiles of a TIFF: their rows, and
+    // how many lie side by side. Those of more rows than a band count as one for each band.
+    int64_t unit_rows = 1, units_across = 1;
   };
   // Fills `rows` with the rows [first, first + count) of a plane, packed. Throws Error.
   using Decode =
@@ -40,8 +45,14 @@ class PlaneBands {
   // Limits the decoded rows; a band is held even if it is more.
   void holdAtMost(uint64_t bytes);
 
-  // Copies the voxels of `box` in x and y out of a plane to `out`, packed. Requires: not empty.
-  void copy(int64_t plane, const Box3& box, size_t voxel_bytes, std::byte* out);
+  // Copies boxes of a volume out of the planes that planeOf(z) tells, once for each z. A band that
+  // several boxes share is decoded once for all of them. Requires: not empty.
+  void copy(std::span<const RegionRead> regions, size_t voxel_bytes,
+            const std::function<int64_t(int64_t z)>& planeOf);
+
+  // The cost of reading these boxes, each once, with `held_bytes` of decoded rows kept in memory
+  // (stored_reads.h).
+  StoredReads storedReads(std::vector<Box3> boxes, uint64_t held_bytes) const;
 
  private:
   struct Key {
@@ -54,6 +65,10 @@ class PlaneBands {
     }
   };
   using Rows = std::vector<std::byte>;
+
+  std::shared_ptr<const Rows> rowsOf(int64_t plane, int64_t band);
+  // The pieces that are decoded for a band.
+  int64_t unitsOf(int64_t band) const;
 
   const Shape shape_;
   const Decode decode_;

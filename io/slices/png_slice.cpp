@@ -24,6 +24,7 @@ class PngPicture final : public SlicePicture {
     format_.width = png_get_image_width(png_, info_);
     format_.height = png_get_image_height(png_, info_);
     format_.type = png_get_bit_depth(png_, info_) == 16 ? VoxelType::kU16 : VoxelType::kU8;
+    format_.pieces.rows = format_.height;
     // libpng has two rows, one of which may become wider, and this class has a third.
     constexpr uint64_t kDecoderBytes = uint64_t{128} << 10;
     const uint64_t row_bytes = png_get_rowbytes(png_, info_);

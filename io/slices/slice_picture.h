@@ -17,10 +17,18 @@
 
 namespace sluice {
 
+// Compressed pieces of a picture that are decoded as a whole: strips, tiles or all of it.
+struct CodedPieces {
+  int64_t rows = 0;  // 0: the picture is not compressed
+  int64_t across = 1;
+  friend bool operator==(const CodedPieces&, const CodedPieces&) = default;
+};
+
 // A coarser picture of a page: the same in fewer pixels.
 struct ReducedFormat {
   int64_t width = 0, height = 0;
   int64_t unit_rows = 1;
+  CodedPieces pieces = {};
   friend bool operator==(const ReducedFormat&, const ReducedFormat&) = default;
 };
 
@@ -29,6 +37,7 @@ struct PictureFormat {
   int64_t pages = 1;              // pictures in the file, all of this size and type
   VoxelType type = VoxelType::kU8;
   int64_t unit_rows = 1;               // rows that are best read together (tiles); a hint
+  CodedPieces pieces = {};             // of the first page
   PageOrder order;                     // meaning of the pages; their number is `pages`
   std::vector<ReducedFormat> reduced;  // that each page has: levels 1, 2, ... of resolution
   // The most bytes that the picture holds while it is open and read: decoders, rows, a strip.

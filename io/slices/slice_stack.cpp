@@ -1,82 +1,29 @@
 #include "io/slices/slice_stack.h"
 
 #include <algorithm>
-#include <atomic>
-#include <list>
 #include <utility>
 
 #include "io/files/file_list.h"
 #include "io/files/level_places.h"
 #include "io/files/plane_bands.h"
 #include "io/slices/ome_set.h"
+#include "io/slices/picture_pool.h"
 #include "io/slices/slice_picture.h"
 #include "src/base/error.h"
 #include "src/base/sources/read_units.h"
 #include "src/base/sources/region_check.h"
+#include "src/base/sources/stored_reads.h"
 #include "src/base/sources/volume_channels.h"
 #include "src/base/sources/volume_levels.h"
-#include "src/base/threads/mutex.h"
 
 namespace sluice {
 namespace {
 
-// Pictures that are open and idle, each with its decoder at some row. A thread takes one out, uses
-// it alone and gives it back; the ones idle longest are closed.
-class PicturePool {
- public:
-  PicturePool(const std::vector<std::filesystem::path>& files, size_t max_idle)
-      : files_(files), max_idle_(max_idle) {}
-
-  std::unique_ptr<SlicePicture> take(size_t file) {
-    {
-      const MutexLock lock(mutex_);
-      const auto found = std::find_if(idle_.begin(), idle_.end(),
-                                      [&](const auto& entry) { return entry.first == file; });
-      if (found != idle_.end()) {
-        auto picture = std::move(found->second);
-        idle_.erase(found);
-        return picture;
-      }
-    }
-    // Opened without the lock: a slow disk must not stop threads that find theirs.
-    auto picture = openSlicePicture(files_[file]);
-    countRead(picture->storedBytesRead());
-    return picture;
-  }
-
-  void giveBack(size_t file, std::unique_ptr<SlicePicture> picture) {
-    const MutexLock lock(mutex_);
-    idle_.emplace_front(file, std::move(picture));
-    closeBeyond();
-  }
-
-  // How many may be idle from now on.
-  void setMaxIdle(size_t max_idle) {
-    const MutexLock lock(mutex_);
-    max_idle_ = max_idle;
-    closeBeyond();
-  }
-
-  // The bytes read from all pictures, closed ones too.
-  void countRead(uint64_t bytes) { read_bytes_ += bytes; }
-  uint64_t storedBytesRead() const { return read_bytes_.load(); }
-
- private:
-  void closeBeyond() SLUICE_REQUIRES(mutex_) {
-    while (idle_.size() > max_idle_) idle_.pop_back();
-  }
-
-  const std::vector<std::filesystem::path>& files_;
-  Mutex mutex_;
-  size_t max_idle_ SLUICE_GUARDED_BY(mutex_);
-  std::list<std::pair<size_t, std::unique_ptr<SlicePicture>>> idle_ SLUICE_GUARDED_BY(mutex_);
-  std::atomic<uint64_t> read_bytes_{0};
-};
-
 class SliceStack final : public VolumeSource,
                          public ChanneledSource,
                          public LeveledSource,
-                         public UnitSource {
+                         public UnitSource,
+                         public StoredSource {
  public:
   SliceStack(std::vector<std::filesystem::path> files, const SliceOptions& options)
       : files_(std::move(files)),
@@ -109,19 +56,35 @@ class SliceStack final : public VolumeSource,
   uint64_t heldBytesAThread() const override {
     return format_.open_bytes + 2 * bands_->bandBytes();
   }
-  // A third for pictures, whose number counts, the rest for rows: half of it for coarser levels, if
-  // there are any.
   void holdAtMost(uint64_t bytes) override {
-    const uint64_t open_bytes = std::max<uint64_t>(format_.open_bytes, 1);
-    const uint64_t pictures = std::min<uint64_t>(bytes / 3 / open_bytes, max_open_pictures_);
-    pool_.setMaxIdle(static_cast<size_t>(std::max<uint64_t>(pictures, 1)));
-    const uint64_t left = bytes - std::min(bytes, pictures * open_bytes);
-    bands_->holdAtMost(levels_.empty() ? left : left / 2);
-    for (const auto& level : levels_) level->holdAtMost(left / 2 / levels_.size());
+    const Shares shares = sharesOf(bytes);
+    pool_.setMaxIdle(static_cast<size_t>(std::max<uint64_t>(shares.pictures, 1)));
+    bands_->holdAtMost(shares.band_bytes);
+    for (const auto& level : levels_) level->holdAtMost(shares.level_bytes);
+  }
+  std::optional<StoredReads> storedReads(int64_t /*time*/, std::span<const LevelBox> boxes,
+                                         uint64_t held_bytes) override {
+    // Rows that are not compressed are read, not decoded.
+    if (format_.pieces.rows == 0) return std::nullopt;
+    const auto boxesOf = [&](const VolumeSource* level) {
+      std::vector<Box3> found;
+      for (const LevelBox& box : boxes)
+        if (box.level == level) found.push_back(box.box);
+      return found;
+    };
+    const Shares shares = sharesOf(held_bytes);
+    StoredReads reads = bands_->storedReads(boxesOf(nullptr), shares.band_bytes);
+    for (const auto& level : levels_)
+      reads += level->bands().storedReads(boxesOf(level.get()), shares.level_bytes);
+    return reads;
   }
 
   void readRegion(int64_t time, const Box3& box, std::span<std::byte> out) override {
-    copy(*bands_, layout_, time, box, out);
+    const RegionRead region{box, out};
+    readRegions(time, std::span(&region, 1));
+  }
+  void readRegions(int64_t time, std::span<const RegionRead> regions) override {
+    copy(*bands_, layout_, time, regions);
   }
 
  private:
@@ -141,8 +104,13 @@ class SliceStack final : public VolumeSource,
     uint64_t storedBytesRead() const override { return 0; }  // the stack counts all
     uint64_t heldBytesAThread() const override { return 2 * bands_->bandBytes(); }
     void holdAtMost(uint64_t bytes) override { bands_->holdAtMost(bytes); }
+    const PlaneBands& bands() const { return *bands_; }
     void readRegion(int64_t time, const Box3& box, std::span<std::byte> out) override {
-      stack_.copy(*bands_, layout_, time, box, out);
+      const RegionRead region{box, out};
+      readRegions(time, std::span(&region, 1));
+    }
+    void readRegions(int64_t time, std::span<const RegionRead> regions) override {
+      stack_.copy(*bands_, layout_, time, regions);
     }
 
    private:
@@ -152,28 +120,42 @@ class SliceStack final : public VolumeSource,
     std::string identity_;
   };
 
-  void copy(PlaneBands& bands, const VolumeLayout& layout, int64_t time, const Box3& box,
-            std::span<std::byte> out) {
-    const auto voxel_bytes = static_cast<int64_t>(bytesPerVoxel(layout.type));
-    checkRegion(layout, time, box, out);
-    std::byte* to = out.data();
-    for (int64_t z = box.lo.z; z < box.hi.z; ++z, to += box.size().x * box.size().y * voxel_bytes) {
+  struct Shares {
+    uint64_t pictures = 0;  // how many stay open
+    uint64_t band_bytes = 0, level_bytes = 0;
+  };
+  // A third for pictures, whose number counts, the rest for rows: half of it for coarser levels, if
+  // there are any.
+  Shares sharesOf(uint64_t bytes) const {
+    const uint64_t open_bytes = std::max<uint64_t>(format_.open_bytes, 1);
+    Shares shares{std::min<uint64_t>(bytes / 3 / open_bytes, max_open_pictures_)};
+    const uint64_t left = bytes - std::min(bytes, shares.pictures * open_bytes);
+    shares.band_bytes = levels_.empty() ? left : left / 2;
+    shares.level_bytes = levels_.empty() ? 0 : left / 2 / levels_.size();
+    return shares;
+  }
+
+  void copy(PlaneBands& bands, const VolumeLayout& layout, int64_t time,
+            std::span<const RegionRead> regions) {
+    for (const RegionRead& region : regions) checkRegion(layout, time, region.box, region.out);
+    bands.copy(regions, bytesPerVoxel(layout.type), [&](int64_t z) {
       stop_.throwIfStopped();
-      const int64_t plane = is_described_ ? format_.order.plane(time, z, layout_.channel) : z;
-      bands.copy(plane, box, static_cast<size_t>(voxel_bytes), to);
-    }
+      return is_described_ ? format_.order.plane(time, z, layout_.channel) : z;
+    });
   }
 
   // Decoded rows of the pictures of a level; 0: of the pages themselves.
   std::unique_ptr<PlaneBands> bandsOf(size_t level) {
-    const ReducedFormat size = level == 0
-                                   ? ReducedFormat{format_.width, format_.height, format_.unit_rows}
-                                   : format_.reduced[level - 1];
+    const ReducedFormat size =
+        level == 0 ? ReducedFormat{format_.width, format_.height, format_.unit_rows, format_.pieces}
+                   : format_.reduced[level - 1];
     const int64_t row_bytes = size.width * static_cast<int64_t>(bytesPerVoxel(format_.type));
     const PlaneBands::Shape shape{
         .height = size.height,
         .row_bytes = row_bytes,
-        .band_rows = PlaneBands::usualBandRows(size.height, row_bytes, size.unit_rows)};
+        .band_rows = PlaneBands::usualBandRows(size.height, row_bytes, size.unit_rows),
+        .unit_rows = std::max<int64_t>(size.pieces.rows, 1),
+        .units_across = size.pieces.across};
     return std::make_unique<PlaneBands>(
         shape,
         [this, level](int64_t plane, int64_t first, int64_t count, std::span<std::byte> rows) {

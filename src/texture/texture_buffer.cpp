@@ -122,7 +122,7 @@ TextureBuffer::BatchPtr TextureBuffer::tryBegin(const TexturePlan& plan, const C
     std::vector<BlockName> soon_blocks;
     // Only a batch that reads anything takes the blocks of `soon` along.
     if (!fillings.empty()) soon_blocks = blocksSoon(plan, names, soon);
-    planRuns(*batch, std::move(fillings), std::move(soon_blocks), plan.pyramid);
+    planRuns(*batch, std::move(fillings), std::move(soon_blocks));
   } catch (...) {  // no memory: published entries would never be filled
     abandon(*batch);
     throw;
@@ -210,7 +210,7 @@ std::vector<BlockName> TextureBuffer::blocksSoon(const TexturePlan& plan,
 }
 
 void TextureBuffer::planRuns(Batch& batch, std::vector<Filling> fillings,
-                             std::vector<BlockName> soon, const PyramidLayout& pyramid) const {
+                             std::vector<BlockName> soon) const {
   // The order is by name, so that the blocks of one row follow each other.
   std::ranges::sort(fillings, {}, [](const Filling& filling) { return filling.block.name; });
   std::ranges::sort(soon);
@@ -220,7 +220,7 @@ void TextureBuffer::planRuns(Batch& batch, std::vector<Filling> fillings,
   batch.runs_at_once = threads;
   for (size_t from = 0; from < fillings.size();) {  // one grid of blocks after the other
     const BlockName first = fillings[from].block.name;
-    const int64_t blocks_a_row = pyramid.of(first).blocks.grid.x;
+    const int64_t blocks_a_row = blocks_.rowBlocks(first.level);
     const RunLimits limits = runLimits(level_blocks, blocks_a_row, threads);
     batch.runs_at_once = std::min(batch.runs_at_once, limits.runs);
     std::vector<int64_t> wanted, beside;

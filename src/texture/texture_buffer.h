@@ -96,8 +96,7 @@ class TextureBuffer {
                                     std::span<const ChunkPosition> soon) const
       SLUICE_REQUIRES(chunks_.mutex);
 
-  void planRuns(Batch& batch, std::vector<Filling> fillings, std::vector<BlockName> soon,
-                const PyramidLayout& pyramid) const;
+  void planRuns(Batch& batch, std::vector<Filling> fillings, std::vector<BlockName> soon) const;
   void startHelpers(const BatchPtr& batch);
   void helperIsDone();
   void work(Batch& batch);

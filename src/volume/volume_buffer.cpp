@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "src/base/error.h"
+#include "src/base/sources/read_units.h"
 #include "src/base/threads/clock.h"
 #include "src/base/threads/stop_token.h"
 #include "src/base/values/bytes.h"
@@ -19,6 +20,17 @@ uint64_t bytesOf(const VolumeBuffer::Level& level) {
          bytesPerVoxel(deviceMap(level.source->layout()).type) * (level.spreads == nullptr ? 1 : 2);
 }
 
+// VolumeBuffer::rowBlocks() of each level.
+std::vector<int64_t> rowBlocksOf(const std::vector<VolumeBuffer::Level>& levels) {
+  std::vector<int64_t> blocks;
+  for (const VolumeBuffer::Level& level : levels) {
+    const Vec3i grid = level.layout.grid;
+    const bool is_wide = readUnits(*level.source).voxels.y > level.layout.size;
+    blocks.push_back(is_wide ? grid.x * grid.y : grid.x);
+  }
+  return blocks;
+}
+
 }  // namespace
 
 VolumeBuffer::VolumeBuffer(VolumeSource& source, const BlockLayout& layout, uint64_t budget_bytes,
@@ -27,6 +39,7 @@ VolumeBuffer::VolumeBuffer(VolumeSource& source, const BlockLayout& layout, uint
 
 VolumeBuffer::VolumeBuffer(std::vector<Level> levels, uint64_t budget_bytes, Cold cold)
     : levels_(std::move(levels)),
+      row_blocks_(rowBlocksOf(levels_)),
       map_(deviceMap(levels_.front().source->layout())),
       // Packing needs room for one more block beside the resident ones. In a budget of fewer than
       // 16 blocks, that block would take too much of it.
@@ -235,8 +248,7 @@ std::vector<VolumeBlockPtr> VolumeBuffer::acquire(std::span<const BlockName> key
 // Blocks that follow each other in a row are read together. Packed ones between them end the run.
 void VolumeBuffer::loadOwn(std::span<Own> ours, ReadTally* tally) noexcept {
   const auto besideEachOther = [&](const BlockName& a, const BlockName& b) {
-    const int64_t blocks_a_row = levelOf(a).layout.grid.x;
-    return a.isBeside(b) && a.block / blocks_a_row == b.block / blocks_a_row;
+    return a.isBeside(b) && a.block / rowBlocks(a.level) == b.block / rowBlocks(a.level);
   };
   for (size_t from = 0; from < ours.size();) {
     if (ours[from].packed.bytes != nullptr) {

@@ -85,12 +85,12 @@ class VolumeBuffer {
   // Requires: no other call is under way.
   void checkBy(Check check) { check_ = std::move(check); }
 
-  // The blocks of `keys`, in that order; blocks of one row along x that follow each other in `keys`
-  // are read together. Throws Error when a read fails or when the budget cannot hold these blocks
-  // in addition to the blocks that other handles pin and other calls wait for, Interrupted when the
-  // source does; the failed blocks are not kept. In addition to its blocks, each call holds at most
-  // kScratchBytes (or one plane of a block) while it reads voxels that are larger on disk than
-  // here.
+  // The blocks of `keys`, in that order; blocks of one row that follow each other in `keys` are
+  // read together (rowBlocks()). Throws Error when a read fails or when the budget cannot hold
+  // these blocks in addition to the blocks that other handles pin and other calls wait for,
+  // Interrupted when the source does; the failed blocks are not kept. In addition to its blocks,
+  // each call holds at most kScratchBytes (or one plane of a block) while it reads voxels that are
+  // larger on disk than here.
   //
   // `ahead`, if given, tells for each key whether its block is only brought because it lies next to
   // others; the next call that requests it is the first to use it. Bytes and times of this call are
@@ -98,6 +98,11 @@ class VolumeBuffer {
   std::vector<VolumeBlockPtr> acquire(std::span<const BlockName> keys,
                                       const std::vector<bool>& ahead = {},
                                       ReadTally* tally = nullptr);
+
+  // The blocks of a level that lie in one row of its source, whose ids follow each other: along x,
+  // as the rows of a file do; or in a layer across z, if the source decodes parts that are wider
+  // along y than a block, such as slices or slabs.
+  int64_t rowBlocks(int32_t level) const { return row_blocks_[static_cast<size_t>(level)]; }
 
   // Whether a block is here, packed or not, so that it need not be read. Changes nothing.
   bool holds(const BlockName& key) const;
@@ -178,9 +183,11 @@ class VolumeBuffer {
     return layout.storedVoxels(layout.indexOf(name.block));
   }
 
-  const std::vector<Level> levels_;             // constant after construction
-  const ValueMap map_;                          // constant after construction
-  const bool packs_;                            // constant after construction
+  const std::vector<Level> levels_;
+  const std::vector<int64_t>
+      row_blocks_;      // of each level, see rowBlocks()             // constant after construction
+  const ValueMap map_;  // constant after construction
+  const bool packs_;    // constant after construction
   const bool keeps_coarsest_;                   // constant after construction
   Check check_;                                 // may be null; constant once blocks are read
   const std::shared_ptr<BufferMemory> memory_;  // memory of the unpacked blocks

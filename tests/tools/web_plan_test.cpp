@@ -217,7 +217,7 @@ TEST(PlanDecodes, ofPlanesAreNoMoreThanThePlanSays) {
       EXPECT_THAT(program.run("plan" + options).output, HasSubstr("decodes 192 chunks, each once"));
     }
     if (std::string(memory) == "16M") {
-      EXPECT_GT(decoded, 300);
+      EXPECT_GT(decoded, 192);
       EXPECT_THAT(program.run("plan" + options).output, HasSubstr("decodes 192 chunks up to "));
     }
   }

@@ -215,7 +215,10 @@ void RawSource::readRegions(int64_t time, std::span<const RegionRead> regions) {
   if (regions.empty()) return;
   // Regions side by side in the same rows are read in one go, each row of the file once.
   if (regions.size() > 1 && !sameRows(regions)) {
-    VolumeSource::readRegions(time, regions);
+    for (size_t from = 0, to = 0; from < regions.size(); from = to) {
+      while (to < regions.size() && sameRows(regions.subspan(from, to - from + 1))) ++to;
+      readRegions(time, regions.subspan(from, to - from));
+    }
     return;
   }
   const Vec3i dims = layout_.dims;

@@ -119,7 +119,7 @@ class TiffPicture final : public SlicePicture {
         (format.width == width && format.height == height))
       return fmt::format("it has {} x {} pixels, the one before it {} x {}", format.width,
                          format.height, width, height);
-    format_.reduced.push_back({format.width, format.height, format.unit_rows});
+    format_.reduced.push_back({format.width, format.height, format.unit_rows, format.pieces});
     return "";
   }
 
@@ -233,6 +233,17 @@ class TiffPicture final : public SlicePicture {
     return bytes + std::max<uint64_t>(row_bytes, TiffRows::kPlainBytes);
   }
 
+  // Strips or tiles. A file may claim any sizes.
+  CodedPieces piecesOf(const TiffPage& p) {
+    const auto sizeOf = [&](uint32_t tag, int64_t of_page) {
+      return std::clamp<int64_t>(
+          tiffField<uint32_t>(tiff_.get(), tag, static_cast<uint32_t>(of_page)), 1, of_page);
+    };
+    if (!p.is_tiled) return {sizeOf(TIFFTAG_ROWSPERSTRIP, p.height)};
+    return {sizeOf(TIFFTAG_TILELENGTH, p.height),
+            ceilDiv(p.width, sizeOf(TIFFTAG_TILEWIDTH, p.width))};
+  }
+
   PictureFormat formatOf(const TiffPage& p) {
     PictureFormat format;
     format.width = p.width;
@@ -252,6 +263,7 @@ class TiffPicture final : public SlicePicture {
              tile_bytes, kMaxTileBytes);
       format.unit_rows = tiffField<uint32_t>(tiff_.get(), TIFFTAG_TILELENGTH, 1);
     }
+    if (p.compression != COMPRESSION_NONE) format.pieces = piecesOf(p);
     return format;
   }
 

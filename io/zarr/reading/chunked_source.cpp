@@ -256,42 +256,95 @@ void ChunkedSource::copyChunk(std::span<const std::byte> chunk, int64_t time, co
 }
 
 void ChunkedSource::readRegion(int64_t time, const Box3& box, std::span<std::byte> out) {
-  const VolumeLayout& layout = view_.layout;
+  const RegionRead region{box, out};
+  readRegions(time, std::span(&region, 1));
+}
+
+// The regions that a chunk has voxels of, and the chunk.
+struct ChunkedSource::Use {
+  int64_t number = 0;
+  Vec3i corner;
+  const RegionRead* region = nullptr;
+};
+
+void ChunkedSource::copyUses(std::span<const Use> uses, int64_t time,
+                             std::span<const std::byte> chunk) const {
+  for (const Use& use : uses) {
+    const Box3& box = use.region->box;
+    copyChunk(chunk, time, intersect(box, {use.corner, use.corner + chunkVoxels()}), box,
+              use.region->out);
+  }
+}
+
+void ChunkedSource::fillUses(std::span<const Use> uses) const {
   const auto voxel = static_cast<int64_t>(fill_.size());
-  checkRegion(layout, time, box, out);
-  const auto partAt = [&](Vec3i corner) {
-    return intersect(box, {corner, corner + chunkVoxels()});
-  };
-  // Neighbouring regions share chunks. A thread that waited for each that another one is decoding
+  for (const Use& use : uses) {
+    const Box3& box = use.region->box;
+    const Box3 part = intersect(box, {use.corner, use.corner + chunkVoxels()});
+    const Vec3i at = part.lo - box.lo;
+    for (int64_t z = at.z; z < at.z + part.size().z; ++z)
+      for (int64_t y = at.y; y < at.y + part.size().y; ++y)
+        fillRow(fill_,
+                use.region->out.data() + ((z * box.size().y + y) * box.size().x + at.x) * voxel,
+                part.size().x);
+  }
+}
+
+// A chunk that several regions share, such as a slab across the volume, is decoded once for all of
+// them, even if the memory holds no more than that chunk.
+void ChunkedSource::readRegions(int64_t time, std::span<const RegionRead> regions) {
+  // Neighbouring blocks share chunks. A thread that waited for each that another one is decoding
   // would follow that one through all of them, and only one chunk would be read at a time. It comes
   // back soon, before they leave the memory.
-  std::deque<std::pair<Vec3i, int64_t>> late;
+  std::deque<std::vector<Use>> late;
   const auto copyLate = [&](IfLoading if_loading) {
-    const auto [corner, number] = late.front();
-    const auto chunk = cache_->get({array_number_, number}, if_loading);
+    const std::vector<Use>& uses = late.front();
+    const auto chunk = cache_->get({array_number_, uses.front().number}, if_loading);
     if (chunk == nullptr) return false;
-    copyChunk(chunk->span(), time, partAt(corner), box, out);
+    copyUses(uses, time, chunk->span());
     late.pop_front();
     return true;
   };
-  eachChunk(time, box, [&](Vec3i corner, int64_t number) {
-    const Box3 part = partAt(corner);
-    if (array_->exists(number)) {
-      if (const auto chunk = cache_->get({array_number_, number}, IfLoading::kLeave))
-        copyChunk(chunk->span(), time, part, box, out);
-      else
-        late.emplace_back(corner, number);
-      while (late.size() > kMostLate) copyLate(IfLoading::kWait);
-      while (!late.empty() && copyLate(IfLoading::kLeave)) {
-      }
+  const auto read = [&](std::span<const Use> uses) {
+    const int64_t number = uses.front().number;
+    if (!array_->exists(number)) {
+      fillUses(uses);
       return;
     }
-    const Vec3i at = part.lo - box.lo;
-    for (int64_t pz = at.z; pz < at.z + part.size().z; ++pz)
-      for (int64_t py = at.y; py < at.y + part.size().y; ++py)
-        fillRow(fill_, out.data() + ((pz * box.size().y + py) * box.size().x + at.x) * voxel,
-                part.size().x);
-  });
+    if (const auto chunk = cache_->get({array_number_, number}, IfLoading::kLeave))
+      copyUses(uses, time, chunk->span());
+    else
+      late.emplace_back(uses.begin(), uses.end());
+    while (late.size() > kMostLate) copyLate(IfLoading::kWait);
+    while (!late.empty() && copyLate(IfLoading::kLeave)) {
+    }
+  };
+  int64_t first = INT64_MAX, end = 0;
+  for (const RegionRead& region : regions) {
+    checkRegion(view_.layout, time, region.box, region.out);
+    first = std::min(first, region.box.lo.z);
+    end = std::max(end, region.box.hi.z);
+  }
+  const int64_t depth = chunkVoxels().z;
+  std::vector<Use> uses;
+  // One layer of chunks after the other, so that the list of a box of tiny chunks stays short.
+  for (int64_t z = first / depth * depth; z < end; z += depth) {
+    uses.clear();
+    for (const RegionRead& region : regions) {
+      Box3 layer = region.box;
+      layer.lo.z = std::max(layer.lo.z, z);
+      layer.hi.z = std::min(layer.hi.z, z + depth);
+      if (layer.empty()) continue;
+      eachChunk(time, layer, [&](Vec3i corner, int64_t number) {
+        uses.push_back({number, corner, &region});
+      });
+    }
+    std::ranges::stable_sort(uses, {}, &Use::number);
+    for (size_t from = 0, to = 0; from < uses.size(); from = to) {
+      while (to < uses.size() && uses[to].number == uses[from].number) ++to;
+      read(std::span(uses).subspan(from, to - from));
+    }
+  }
   while (!late.empty()) copyLate(IfLoading::kWait);
 }
 

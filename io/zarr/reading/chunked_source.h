@@ -49,6 +49,7 @@ class ChunkedSource : public VolumeSource,
 
   const VolumeLayout& layout() const override { return view_.layout; }
   void readRegion(int64_t time, const Box3& box, std::span<std::byte> out) override;
+  void readRegions(int64_t time, std::span<const RegionRead> regions) override;
   // nullopt when no chunk is missing. The background may be NaN or infinite.
   std::optional<Occupancy> occupancy(int64_t time) override;
   std::string identity() const override { return identity_; }
@@ -122,6 +123,10 @@ class ChunkedSource : public VolumeSource,
   ZarrChunkCache::Chunk load(int64_t chunk, ChunkMemory& memory);
   void copyChunk(std::span<const std::byte> chunk, int64_t time, const Box3& part, const Box3& box,
                  std::span<std::byte> out) const;
+  // The same of one chunk for all regions that it is used for, or of the fill value.
+  struct Use;
+  void copyUses(std::span<const Use> uses, int64_t time, std::span<const std::byte> chunk) const;
+  void fillUses(std::span<const Use> uses) const;
 
   ZarrView view_;        // constant after construction, as all that follows
   int64_t channel_ = 0;  // index along the axis view_.channel, if any

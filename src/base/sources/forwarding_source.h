@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "src/base/sources/level_kinds.h"
+#include "src/base/sources/read_units.h"
 #include "src/base/sources/stored_reads.h"
 #include "src/base/sources/volume_channels.h"
 #include "src/base/sources/volume_levels.h"
@@ -19,6 +20,7 @@ class ForwardingSource : public VolumeSource,
                          public ChanneledSource,
                          public LeveledSource,
                          public LevelKinds,
+                         public UnitSource,
                          public StoredSource {
  public:
   explicit ForwardingSource(std::unique_ptr<VolumeSource> source) : source_(std::move(source)) {}
@@ -46,6 +48,7 @@ class ForwardingSource : public VolumeSource,
   uint64_t storedBytesRead() const override { return source_->storedBytesRead(); }
   uint64_t heldBytesAThread() const override { return source_->heldBytesAThread(); }
   void holdAtMost(uint64_t bytes) override { source_->holdAtMost(bytes); }
+  ReadUnits readUnits() const override { return sluice::readUnits(*source_); }
   PassReads passReads() const override { return source_->passReads(); }
   int distantReads() const override { return source_->distantReads(); }
   std::vector<std::string> files() override { return source_->files(); }

@@ -35,7 +35,7 @@ class DeviceReader {
 
  private:
   void readInPlace(int64_t time, std::span<const RegionRead> regions);
-  void readThroughScratch(int64_t time, const RegionRead& region);
+  void readThroughScratch(int64_t time, std::span<const RegionRead> regions);
 
   VolumeSource& source_;
   const size_t scratch_bytes_;
