@@ -35,7 +35,8 @@ std::string wholeMebibytes(double bytes) {
 }  // namespace
 
 FirstPass planFirstPass(VolumeSource& source, int64_t time, const BlockLayout& layout,
-                        uint64_t memory_bytes, int threads) {
+                        uint64_t memory_bytes, int threads,
+                        const std::function<uint64_t(uint64_t array_bytes)>& enough_to_draw) {
   const VolumeLayout& voxels = source.layout();
   const auto device_bytes = static_cast<double>(bytesPerVoxel(deviceMap(voxels).type));
   constexpr double kAxes = 3, kEnds = 2;
@@ -48,12 +49,22 @@ FirstPass planFirstPass(VolumeSource& source, int64_t time, const BlockLayout& l
       blocksAtMost(layout, occupancy) *
           (sizeof(int64_t) +
            kEnds * device_bytes * (1 + kAxes * static_cast<double>(layout.planes())));
+  // One line names a budget that opens the volume, and one with which any picture of it is drawn.
+  const auto budgets = [&](double least) {
+    std::string text = "give --memory " + wholeMebibytes(least) + " or more to look at it";
+    constexpr double kMost = 0x1p62;
+    if (enough_to_draw != nullptr && array_bytes < kMost) {
+      const auto enough = static_cast<double>(enough_to_draw(static_cast<uint64_t>(array_bytes)));
+      text += fmt::format(", and {} to draw it", wholeMebibytes(std::max(least, enough)));
+    }
+    return text;
+  };
   if (array_bytes > static_cast<double>(memory_bytes))
     failMemory(
         "{}: {} x {} x {} voxels in blocks of {} a side have {} of min-max arrays, --memory is {}; "
-        "give --memory {} or more to look at it and more to draw it, or a larger --block",
+        "{}, or a larger --block",
         voxels.calledBy(), voxels.dims.x, voxels.dims.y, voxels.dims.z, layout.size,
-        wholeMebibytes(array_bytes), formatBytes(memory_bytes), wholeMebibytes(array_bytes));
+        wholeMebibytes(array_bytes), formatBytes(memory_bytes), budgets(array_bytes));
 
   // A volume smaller than a block is read whole.
   const Vec3i block = min(voxels.dims, Vec3i{layout.size, layout.size, layout.size});
@@ -63,9 +74,9 @@ FirstPass planFirstPass(VolumeSource& source, int64_t time, const BlockLayout& l
   if (thread_bytes > memory_bytes)
     failMemory(
         "{}: reading it takes {} at a time (decoded chunks or rows, and a block), --memory is {}; "
-        "give --memory {} or more to look at it, and twice that to draw it",
+        "{}",
         voxels.calledBy(), formatBytes(thread_bytes), formatBytes(memory_bytes),
-        wholeMebibytes(static_cast<double>(thread_bytes)));
+        budgets(std::max(static_cast<double>(thread_bytes), array_bytes)));
   const uint64_t for_threads = memory_bytes - memory_bytes / 4;
   FirstPass pass;
   pass.threads = static_cast<int>(

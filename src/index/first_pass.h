@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 
 #include "src/base/sources/volume_source.h"
 #include "src/volume/block_layout.h"
@@ -18,8 +19,9 @@ struct FirstPass {
 // Fits the pass into `memory_bytes`, of which the source keeps a quarter for its caches
 // (holdAtMost). Throws Error, which names the least that works: a thread's decoded chunks and a
 // block do not fit, or the min-max arrays of a volume whose blocks may all differ are larger than
-// that memory. `threads`: as many as there are.
+// that memory. `threads`: as many as there are. `enough_to_draw`: see VolumePass.
 FirstPass planFirstPass(VolumeSource& source, int64_t time, const BlockLayout& layout,
-                        uint64_t memory_bytes, int threads);
+                        uint64_t memory_bytes, int threads,
+                        const std::function<uint64_t(uint64_t array_bytes)>& enough_to_draw = {});
 
 }  // namespace sluice

@@ -75,6 +75,23 @@ TEST(FirstPass, theLeastThatWorksIsNamedBeforeItIsTaken) {
   EXPECT_EQ(passOf(source, 1001 * kMiB).threads, 1);
 }
 
+TEST(FirstPass, theBudgetThatDrawsIsNamedWithIt) {
+  HoldingSource source({256, 256, 256}, 1000 * kMiB);
+  const BlockLayout layout = blockLayout(source.layout().dims, 64, 0);
+  uint64_t arrays = 0;
+  const auto enough = [&](uint64_t array_bytes) {
+    arrays = array_bytes;
+    return 3000 * kMiB;
+  };
+  EXPECT_THAT(errorOf([&] { planFirstPass(source, 0, layout, 16 * kMiB, 8, enough); }),
+              HasSubstr("; give --memory 1001M or more to look at it, and 3000M to draw it"));
+  // 125 blocks of 64 voxels a side, whose 64 planes along each axis have two values each, and two
+  // values for each of 64^3 bricks.
+  EXPECT_GT(arrays, uint64_t{125} * 2 * 3 * 64);
+  EXPECT_LT(arrays, uint64_t{126} * 2 * 3 * 68 + uint64_t{2} * 64 * 64 * 64);
+  planFirstPass(source, 0, layout, 1001 * kMiB, 8, enough);
+}
+
 TEST(FirstPass, arraysThatCannotFitAreRefusedUnlessTheVolumeIsKnownToBeEmptyThere) {
   const Vec3i dims{1'000'000, 1'000'000, 2};
   HoldingSource dense(dims, 0);

@@ -207,6 +207,8 @@ IndexedVolume indexVolume(std::unique_ptr<VolumeSource> source, const VolumeArgu
   const bool has_levels = side.any() || !own_levels.empty();
   volume.layout =
       layoutOf(has_levels ? ghostOfLevels(layout.dims, block, own_levels) : plain_ghost);
+  if (std::string note = smallBlocksNote(volume); machine.block && !note.empty())
+    volume.notes.push_back(std::move(note));
   std::optional<IndexedRanges> made;
   if (side.taker() != nullptr) {
     try {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "src/library/drawing/scene/resources.h"
 #include "src/library/opening/levels/side_levels.h"
 
 namespace sluice {
@@ -13,6 +14,7 @@ IndexedRanges passedRanges(const IndexedVolume& volume, int64_t time, const Inde
                            const SideLevels* side) {
   VolumePass within = pass;
   if (side != nullptr) within.memory_bytes -= side->heldBytes();
+  within.enough_to_draw = [&](uint64_t array_bytes) { return enoughToDraw(volume, array_bytes); };
   // The first opening reads everything, and nothing else is in memory then.
   volume.source->holdAtMost(
       std::min(within.memory_bytes / 4, volume.source->passReads().most_bytes));

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 
 #include "src/base/threads/progress_meter.h"
 #include "src/base/threads/stop_token.h"
@@ -16,6 +17,9 @@ struct VolumePass {
   ProgressMeter& progress;             // its total grows by the bytes that the pass reads
   uint64_t memory_bytes = UINT64_MAX;  // limit for all threads together
   StopToken stop = {};                 // ends the pass with Interrupted
+  // The bytes that are enough to draw the volume, if it has so many of min-max arrays; named if the
+  // limit does not even suffice for the pass. May be null.
+  std::function<uint64_t(uint64_t array_bytes)> enough_to_draw = {};
 };
 
 }  // namespace sluice

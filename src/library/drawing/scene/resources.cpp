@@ -1,13 +1,17 @@
 #include "src/library/drawing/scene/resources.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <bit>
 
 #include "src/base/threads/clock.h"
+#include "src/base/values/bytes.h"
 #include "src/classify/blocks/classification.h"
 #include "src/library/drawing/scene/shared_world.h"
 #include "src/render/blocks/look.h"
 #include "src/render/blocks/losses/spread_tally.h"
+#include "src/volume/block_side.h"
 #include "src/volume/ranges/learnt_ranges.h"
 
 namespace sluice {
@@ -18,12 +22,18 @@ namespace {
 constexpr uint64_t kTextureShare = 4;
 constexpr uint64_t kDeviceTextureBytes = uint64_t{1} << 30;
 
+// The pages of a block.
+int64_t leastPages(const PageGeometry& page, const BufferNeeds& needs) {
+  const Vec3i block{needs.block_vox, needs.block_vox, needs.block_vox};
+  return static_cast<int64_t>(
+      std::bit_ceil(static_cast<uint64_t>(page.pagesOf(block) * needs.numbers)));
+}
+
 // Never fewer than a block takes.
 int64_t defaultPages(const PageGeometry& page, const BufferNeeds& needs, Vec3i dims,
                      uint64_t memory_bytes) {
   const auto page_bytes = static_cast<uint64_t>(page.pageBytes());
-  const Vec3i block{needs.block_vox, needs.block_vox, needs.block_vox};
-  const auto least = std::bit_ceil(static_cast<uint64_t>(page.pagesOf(block) * needs.numbers));
+  const auto least = static_cast<uint64_t>(leastPages(page, needs));
   // Blocks share planes and are padded: twice the volume's own pages holds them all.
   const Vec3i bounded = min(dims, Vec3i{1 << 20, 1 << 20, 1 << 20});
   const double whole = std::min(2.0 * static_cast<double>(page.pagesOf(bounded)), 1e15);
@@ -101,6 +111,25 @@ MachineOptions withBlocksOfFirst(MachineOptions machine, const VolumeLayout& own
   return machine;
 }
 
+std::string smallBlocksNote(const IndexedVolume& volume) {
+  const VolumeLayout& layout = volume.source->layout();
+  const uint64_t value_bytes = bytesPerVoxel(volume.map.type);
+  // The least and the greatest value of a block and of each of its planes.
+  const uint64_t block_bytes =
+      kPlannedBlockBytes + sizeof(int64_t) +
+      2 * value_bytes * (1 + 3 * static_cast<uint64_t>(volume.layout.planes()));
+  const auto blocks = static_cast<uint64_t>(volume.layout.blockCount());
+  const auto voxel_bytes =
+      static_cast<uint64_t>(sluice::volume(layout.dims)) * bytesPerVoxel(layout.type);
+  constexpr uint64_t kMuch = uint64_t{256} << 20, kTimes = 8;
+  if (blocks < kMuch / block_bytes || blocks / kTimes < voxel_bytes / block_bytes) return "";
+  return fmt::format(
+      "{}: --block {} makes {} blocks, which take up to {} of memory, {} times as much as the "
+      "voxels; larger blocks draw the same picture in less time",
+      volume.name, volume.layout.size, blocks, formatBytes(blocks * block_bytes),
+      blocks * block_bytes / voxel_bytes);
+}
+
 int64_t pageCount(const MachineOptions& machine, const IndexedVolume& volume,
                   uint64_t beside_bytes) {
   if (machine.pages) return *machine.pages;
@@ -125,6 +154,25 @@ uint64_t planBytes(const IndexedVolume& volume, const TransferFunction& transfer
   }
   if (frame.cut && volume.pyramid) blocks = std::min(blocks, blocksOfCut(volume, *frame.cut));
   return blocks * kPlannedBlockBytes + spreadBytes(volume) + learntBytes(volume);
+}
+
+uint64_t enoughToDraw(const IndexedVolume& volume, uint64_t array_bytes) {
+  const VolumeLayout& layout = volume.source->layout();
+  const auto blocks = static_cast<uint64_t>(volume.layout.blockCount());
+  // A series has the next step's plan, too.
+  const uint64_t plans = (layout.time_steps > 1 ? 2 : 1) * blocks * kPlannedBlockBytes;
+  const BufferNeeds needs{
+      .block_vox = blockSide(volume.layout, layout.levels),
+      .source_thread_bytes = volume.source->heldBytesAThread(),
+      .beside_bytes = array_bytes + plans + spreadBytes(volume) +
+                      leastPictureBytes({.size = {kEnoughSide, kEnoughSide},
+                                         .pixel_bytes = std::max(kCpuPixelBytes, kGlPixelBytes)}),
+      .numbers = volume.numbers()};
+  PageGeometry page = volume.page;
+  page.pages = leastPages(page, needs);
+  return std::max(textureMemoryBytes(page, TexelPlace::kInMemory),
+                  textureMemoryBytes(page, TexelPlace::kBorrowed)) +
+         leastBufferBytes(page, needs);
 }
 
 BesideShare besideShare(const IndexedVolume& volume, const MachineOptions& machine,

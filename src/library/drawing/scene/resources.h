@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 
 #include "src/library/drawing/cost/picture_memory.h"
 #include "src/library/opening/indexed_volume.h"
@@ -30,6 +31,9 @@ PageGeometry pageShape(const MachineOptions& machine, const ValueMap& map);
 // are, two on the same grid have the blocks of the first one, so that they can be blended.
 MachineOptions withBlocksOfFirst(MachineOptions machine, const VolumeLayout& own,
                                  const VolumeLayout& first);
+// The line about blocks that are so small that a picture may take far more memory for them than for
+// the voxels; empty: they are not.
+std::string smallBlocksNote(const IndexedVolume& volume);
 // How many pages, of what `beside_bytes` (min-max arrays and others) leave of the memory: as the
 // user says, or what holds the volume, or what memory comfortably does beside the least buffers.
 int64_t pageCount(const MachineOptions& machine, const IndexedVolume& volume,
@@ -44,6 +48,12 @@ int64_t pageCount(const MachineOptions& machine, const IndexedVolume& volume,
 // opened for.
 uint64_t planBytes(const IndexedVolume& volume, const TransferFunction& transfer,
                    const FrameOptions& frame, WorkerPool& pool);
+
+// The widest picture for which enoughToDraw() is enough: wider ones have larger strips.
+inline constexpr int kEnoughSide = 4096;
+// The memory with which a picture of a channel is drawn, whatever it shows, if the min-max arrays
+// take `array_bytes`. For a volume that is not indexed yet.
+uint64_t enoughToDraw(const IndexedVolume& volume, uint64_t array_bytes);
 
 // The bytes held in addition to the levels, and the pages of the texture cache that they leave room
 // for.
