@@ -53,9 +53,14 @@ struct BlockLayout {
   Box3 storedVoxels(Vec3i index) const { return intersect(cube(index), boxOf(dims)); }
 };
 
+// Whether blocks of so many voxels a side own a cell between their ghost layers.
+constexpr bool hasRoom(int64_t block, int ghost) {
+  return block - 1 - 2 * ghost >= 1;
+}
+
 // Throws Error when an axis has fewer than 2 voxels, or there are more blocks than 63 bits count
 // (`where` starts the line).
-// Requires: size a power of two, size - 1 - 2 * ghost >= 1, ghost 0 to 3.
+// Requires: size a power of two, hasRoom(size, ghost), ghost 0 to 3.
 BlockLayout blockLayout(Vec3i dims, int64_t size, int ghost, const char* where = "volume");
 
 // Tong's two rules: the smallest power-of-two cube that holds at least one page of page_vox voxels.

@@ -150,15 +150,14 @@ Box3 PyramidLayout::childrenOf(int number, Vec3i index) const {
 }
 
 int ghostOfLevels(Vec3i dims, int64_t block, std::span<const CoarserLevel> levels) {
-  constexpr int kUsual = 2, kMost = 3;
+  constexpr int kMost = 3;
   const auto nesting = [&](int ghost) {
     PyramidLayout pyramid(blockLayout(dims, block, ghost));
     for (const CoarserLevel& level : levels)
       if (!pyramid.add(level.source->layout().dims, level.placement).empty()) break;
     return pyramid.levels();
   };
-  const bool has_room = block - 1 - 2 * kMost >= 1;
-  return has_room && nesting(kMost) > nesting(kUsual) ? kMost : kUsual;
+  return hasRoom(block, kMost) && nesting(kMost) > nesting(kGhostOfLevels) ? kMost : kGhostOfLevels;
 }
 
 int levelsInCommon(const PyramidLayout& a, const PyramidLayout& b) {

@@ -70,6 +70,8 @@ class PyramidLayout {
   std::vector<LevelLayout> levels_;  // the finest first
 };
 
+// The usual ghost layers around blocks of several levels.
+inline constexpr int kGhostOfLevels = 2;
 // The ghost layers around blocks of `block` voxels a side of a volume with these levels: 2, or 3 if
 // more of the levels nest in such blocks, as those of sizes that were halved and rounded down may.
 int ghostOfLevels(Vec3i dims, int64_t block, std::span<const CoarserLevel> levels);

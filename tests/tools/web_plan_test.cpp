@@ -160,6 +160,25 @@ TEST_F(WebPlan, tellsTheLevelThatIsReadForItsValues) {
   EXPECT_EQ(drawn.most_of_one, 1);
 }
 
+// Blocks of 4 voxels have no room for the border that several levels take.
+TEST_F(WebPlan, ofTheSmallestBlocksIsThatOfLevelZero) {
+  for (const StoreCase& store : kStores) {
+    SCOPED_TRACE(store.name);
+    const CommandResult made = program_.run(std::string("pack synth:shells,dims=21x19x17 -q -o ") +
+                                            store.name + store.pack);
+    ASSERT_EQ(made.status, 0) << made.output;
+    const WebServer server(program_.folder.path());
+    const std::string volume = address(server, store) + kLook + "--block 4 ";
+    const nlohmann::json plan = program_.json("plan " + volume)["store"];
+    EXPECT_EQ(plan["first_pass"]["level"], 0);
+    EXPECT_EQ(program_.run("render " + volume + "-q --force -o a.png").status, 0);
+    // Levels that are asked for are refused, as by render.
+    const CommandResult refused = program_.run("plan " + volume + "--pixel-error 4");
+    EXPECT_EQ(refused.status, program_.run("render " + volume + "--pixel-error 4 -o b.png").status);
+    EXPECT_THAT(refused.output, Not(HasSubstr("internal")));
+  }
+}
+
 TEST_F(WebPlan, neverPrintsAPassword) {
   pack(kStores[0]);
   pack(kStores[2]);

@@ -87,27 +87,16 @@ void takeSample(IndexedVolume& volume, double seconds, const IndexPass& pass) {
   volume.source = withSample(std::move(volume.source), std::move(sample));
 }
 
-// Ghost layers of blocks if a volume has several levels (pyramid.h).
-constexpr int kGhostOfLevels = 2;
-
-bool hasRoom(int64_t block, int ghost) {
-  // A block of n voxels a side has n - 1 cells a side, of which the ghost layers take some on
-  // either side.
-  return block - 1 - 2 * ghost >= 1;
-}
-
-// The needs without levels if blocks have no room for them and nobody has asked for them: whether
-// levels are kept from an earlier command must not decide whether a picture is drawn.
-IndexNeeds needsWithin(int64_t block, IndexNeeds needs, LevelsWish wish, IndexedVolume& volume) {
-  const bool is_asked = needs.levels == LevelNeeds::kAll || wish == LevelsWish::kAlways;
-  if (hasRoom(block, kGhostOfLevels) || is_asked) return needs;
-  if (!levelsFor(*volume.source, needs).empty())
+// Notes if the levels are left out because the blocks have no room for them.
+IndexNeeds needsWithin(int64_t block, const IndexNeeds& needs, LevelsWish wish,
+                       IndexedVolume& volume) {
+  const IndexNeeds within = needsOfBlocks(block, needs, wish);
+  if (within.levels != needs.levels && !levelsFor(*volume.source, needs).empty())
     volume.notes.push_back(fmt::format(
         "{}: drawn from level 0 alone: blocks of {} voxels a side have no room for the border that "
         "several levels take",
         volume.name, block));
-  needs.levels = LevelNeeds::kFinest;
-  return needs;
+  return within;
 }
 
 // Adds the levels up to the first that does not nest.

@@ -30,13 +30,17 @@ std::optional<PassForecast> passForecast(VolumeSource& source, const VolumeArgum
                                          const MachineOptions& machine, const IndexNeeds& asked,
                                          const IndexWish& wish) {
   const VolumeLayout& layout = source.layout();
-  const IndexNeeds needs = storedNeeds(asked, deviceMap(layout));
   const PageGeometry page = pageShape(machine, deviceMap(layout));
   const int64_t side = machine.block.value_or(blockSizeFor(page.size_vox));
-  const int ghost = ghostOfLevels(layout.dims, side, levelsFor(source, needs));
+  const IndexNeeds needs =
+      needsOfBlocks(side, storedNeeds(asked, deviceMap(layout)), machine.levels);
+  const int plain_ghost = needs.gradients ? 1 : 0;
+  const bool has_levels = !levelsFor(source, needs).empty();
+  // Opening refuses such blocks.
+  if (!hasRoom(side, has_levels ? kGhostOfLevels : plain_ghost)) return std::nullopt;
+  const int ghost = has_levels ? ghostOfLevels(layout.dims, side, levelsFor(source, needs)) : 0;
   PyramidLayout pyramid = pyramidOf(source, blockLayout(layout.dims, side, ghost), needs);
-  if (pyramid.levels() == 1)
-    pyramid = PyramidLayout(blockLayout(layout.dims, side, needs.gradients ? 1 : 0));
+  if (pyramid.levels() == 1) pyramid = PyramidLayout(blockLayout(layout.dims, side, plain_ghost));
   const IndexPlaces places = indexPlaces(withoutSecrets(arguments.inputs.front()), wish);
   // There is an index, so no pass is made.
   if (keptRanges(source, places, arguments.time, pyramid.finest())) return std::nullopt;

@@ -10,6 +10,8 @@
 #include "src/library/opening/levels/side_levels.h"
 #include "src/library/opening/levels/volume_sample.h"
 #include "src/render/blocks/cut/cut_rules.h"
+#include "src/volume/block_layout.h"
+#include "src/volume/pyramid.h"
 
 namespace sluice {
 namespace {
@@ -87,6 +89,12 @@ IndexNeeds hurriedNeeds(IndexNeeds needs, const VolumeSource& source) {
   if (!isLarge(source.layout()) && source.distantReads() == 0) return needs;
   needs.levels = LevelNeeds::kAll;
   needs.may_stand_in = true;
+  return needs;
+}
+
+IndexNeeds needsOfBlocks(int64_t block, IndexNeeds needs, LevelsWish wish) {
+  const bool is_asked = needs.levels == LevelNeeds::kAll || wish == LevelsWish::kAlways;
+  if (!hasRoom(block, kGhostOfLevels) && !is_asked) needs.levels = LevelNeeds::kFinest;
   return needs;
 }
 

@@ -49,6 +49,11 @@ IndexNeeds storedNeeds(IndexNeeds needs, const ValueMap& map);
 // from, and if the volume is large (isLarge()) or far away, all levels and a stand-in.
 IndexNeeds hurriedNeeds(IndexNeeds needs, const VolumeSource& source);
 
+// The needs without levels if blocks of this size have no room for their border and nobody has
+// asked for levels: whether levels are kept from an earlier command must not decide whether a
+// picture is drawn. `wish`: the user's.
+IndexNeeds needsOfBlocks(int64_t block, IndexNeeds needs, LevelsWish wish);
+
 struct LevelChoice {
   // Pictures may be drawn from the levels of the file: there are none, or they hold the values that
   // pictures need. If a writer does not say how it made its levels, they are taken for means.
