@@ -102,6 +102,19 @@ TEST_F(Looks, surfacesAreRefusedWhereThereCanBeNone) {
   EXPECT_THAT(none.output, HasSubstr("--iso 999: no surface, the values are"));
 }
 
+TEST_F(Looks, aTableOfAnotherVolumeIsWarnedOf) {
+  writeLabels();
+  write("other.txt", "0 0 0 0 0 0 0 \"Clear Label\"\n7 255 0 0 1 1 1 \"one\"\n");
+  const auto said = [&](const std::string& look) {
+    return program_.run(std::string("render --force --size 40 -o a.png ") + kLabels + look).output;
+  };
+  EXPECT_THAT(said("--labels-table other.txt"),
+              HasSubstr("--labels-table other.txt: no label that it shows is in the volume, which "
+                        "has 1, 2, 3; give the table of this volume, or leave it out"));
+  write("other.txt", "0 0 0 0 0 0 0 \"Clear Label\"\n2 255 0 0 1 1 1 \"two\"\n");
+  EXPECT_THAT(said("--labels-table other.txt"), Not(HasSubstr("no label")));
+}
+
 TEST_F(Looks, labelsHaveTheLooksOfATableAndOfOptions) {
   writeLabels();
   write("snap.txt", "# labels\n1 255 0 0 1 1 1 \"one\"\n2 0 255 0 0.3 1 1 \"two\"\n");

@@ -150,6 +150,30 @@ std::vector<LabelStyle> labelStyles(const std::vector<double>& values, double ba
   return styles;
 }
 
+std::string faultOfTable(const std::vector<LabelStyle>& table,
+                         const std::vector<LabelStyle>& styles, const ValueCounts& counts) {
+  // Nothing is known of a volume that was not read.
+  if (counts.entries.empty()) return {};
+  const auto shows = [](const LabelStyle& style) { return style.opacity > 0; };
+  const auto showsVoxels = [&](const LabelStyle& style) {
+    return shows(style) && std::ranges::any_of(counts.entries, [&](const ValueCount& entry) {
+             return entry.lo <= style.label && style.label <= entry.hi;
+           });
+  };
+  if (std::ranges::none_of(table, shows) || std::ranges::any_of(table, showsVoxels)) return {};
+  constexpr size_t kMostListed = 8;
+  std::vector<std::string> labels;
+  for (const LabelStyle& style : styles) {
+    if (style.is_background) continue;
+    labels.push_back(labels.size() < kMostListed ? fmt::format("{:.17g}", style.label) : "...");
+    if (labels.size() > kMostListed) break;
+  }
+  return fmt::format(
+      "no label that it shows is in the volume, which has {}; give the table of this volume, or "
+      "leave it out for usual colours",
+      labels.empty() ? "none" : fmt::format("{}", fmt::join(labels, ", ")));
+}
+
 void applyTable(std::vector<LabelStyle>& styles, const std::vector<LabelStyle>& table) {
   for (LabelStyle& style : styles) {
     const auto found = std::ranges::lower_bound(table, style.label, {}, &LabelStyle::label);

@@ -14,6 +14,7 @@
 
 #include "src/base/looks/label_look.h"
 #include "src/base/threads/stop_token.h"
+#include "src/base/values/value_counts.h"
 #include "src/base/values/vec.h"
 #include "src/classify/transfer/transfer_function.h"
 
@@ -41,6 +42,11 @@ std::vector<LabelStyle> readLabelTable(const std::filesystem::path& path,
                                        const StopToken& stop = {});
 // The same from text; `where` starts the errors.
 std::vector<LabelStyle> parseLabelTable(std::string_view text, const std::string& where);
+
+// The fault of a table that shows labels of another volume alone, for people; empty: it has none.
+// `styles`: those of the volume's labels, of which `counts` tells how often each occurs.
+std::string faultOfTable(const std::vector<LabelStyle>& table,
+                         const std::vector<LabelStyle>& styles, const ValueCounts& counts);
 
 // The styles with those of a table in their place; labels that it does not name do not show.
 void applyTable(std::vector<LabelStyle>& styles, const std::vector<LabelStyle>& table);

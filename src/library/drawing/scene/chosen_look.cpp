@@ -140,8 +140,12 @@ class Chooser {
 
   void fromLabels() {
     std::vector<LabelStyle> styles = labelStylesOf(values_.counts, look_.map);
-    if (!look_.label_table.empty())
-      applyTable(styles, readLabelTable(look_.label_table, look_.stop));
+    if (!look_.label_table.empty()) {
+      const std::vector<LabelStyle> table = readLabelTable(look_.label_table, look_.stop);
+      if (const std::string fault = faultOfTable(table, styles, values_.counts); !fault.empty())
+        chosen_.warnings.push_back(fmt::format("--labels-table {}: {}", look_.label_table, fault));
+      applyTable(styles, table);
+    }
     chosen_.label_opacity = look_.opacity.value_or(1);
     scaleOpacities(styles, chosen_.label_opacity);
     applyLooks(styles, look_.label_looks);
