@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cctype>
 #include <string>
 #include <vector>
 
@@ -69,6 +70,30 @@ class PrintedLook : public testing::Test {
   static constexpr const char* kSpot = "spot_32x32x32_uint8.raw";
   const Program program_;
 };
+
+// Factors and floats leave no digits of rounding, in what is printed or in what is drawn.
+TEST_F(PrintedLook, hasNoDigitsOfRounding) {
+  std::string floats;
+  for (const char c : spotVoxels()) {
+    const float value = 0.1F * static_cast<float>(1 + static_cast<unsigned char>(c) / 36);
+    floats.append(reinterpret_cast<const char*>(&value), sizeof value);
+  }
+  writeFile(program_.folder / "f_32x32x32_float32.raw", floats);
+  EXPECT_THAT(look("f_32x32x32_float32.raw --mode mip", ""), HasSubstr("--range 0.1,0.7"));
+  for (const char* volume : {kSpot, "f_32x32x32_float32.raw"})
+    for (const char* settings : {"", "--opacity 1", "--opacity 0.7", "--opacity 0.003",
+                                 "--modulate --range 0.3,3", "--threshold 0.3 --opacity 0.3"}) {
+      const std::string printed = look(volume, settings);
+      size_t digits = 0, most = 0;
+      for (const char c : printed) {
+        digits = std::isdigit(static_cast<unsigned char>(c)) != 0 ? digits + 1
+                 : c == '.'                                       ? digits
+                                                                  : 0;
+        most = std::max(most, digits);
+      }
+      EXPECT_LE(most, 13U) << printed;
+    }
+}
 
 TEST_F(PrintedLook, givesTheLightThatTheUserChose) {
   for (const char* settings : {"",

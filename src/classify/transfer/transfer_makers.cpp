@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "src/base/error.h"
+#include "src/base/values/tidy_number.h"
 
 namespace sluice {
 
@@ -60,7 +61,7 @@ TransferFunction modulateByGradient(TransferFunction transfer, double full_magni
 
 TransferFunction scaleOpacity(TransferFunction transfer, double factor) {
   for (OpacityPoint& point : transfer.opacities) {
-    point.opacity = std::clamp(point.opacity * factor, 0.0, 1.0);
+    point.opacity = std::clamp(tidyNumber(point.opacity * factor), 0.0, 1.0);
   }
   return transfer;
 }

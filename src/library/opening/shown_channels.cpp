@@ -14,6 +14,7 @@
 #include "src/base/files/shell_word.h"
 #include "src/base/looks/color_word.h"
 #include "src/base/sources/volume_levels.h"
+#include "src/base/values/tidy_number.h"
 #include "src/classify/transfer/automatic_look.h"
 #include "src/classify/transfer/color_maps.h"
 #include "src/classify/transfer/transfer_makers.h"
@@ -52,7 +53,7 @@ ShownChannel shownChannel(const VolumeSource& source, int64_t number, size_t pla
   if (isSeen(looks[at].color)) shown.color = colorWord(*looks[at].color);
   if (looks[at].window) {
     const auto valueOf = [&](double stored) {
-      return stored * layout.value_scale + layout.value_offset;
+      return tidyNumber(stored * layout.value_scale + layout.value_offset);
     };
     shown.window = {valueOf(looks[at].window->lo), valueOf(looks[at].window->hi)};
   }

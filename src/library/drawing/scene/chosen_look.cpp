@@ -8,6 +8,7 @@
 
 #include "src/base/error.h"
 #include "src/base/files/shell_word.h"
+#include "src/base/values/tidy_number.h"
 #include "src/classify/transfer/automatic_look.h"
 #include "src/classify/transfer/color_maps.h"
 #include "src/classify/transfer/label_table.h"
@@ -26,6 +27,13 @@ constexpr std::string_view kDepthMap = "turbo";
 
 std::string_view mapOr(const LookArguments& look, std::string_view otherwise) {
   return look.map.empty() ? otherwise : std::string_view(look.map);
+}
+
+// Such a range is printed as an option. It is drawn as it is printed, so that the option gives the
+// look again.
+ValueRange tidyRange(ValueRange range) {
+  const ValueRange tidy{tidyNumber(range.lo), tidyNumber(range.hi)};
+  return tidy.lo < tidy.hi ? tidy : range;
 }
 
 ValueRange ascending(ValueRange range) {
@@ -65,7 +73,7 @@ class Chooser {
         values_(values),
         look_(look),
         mode_(mode),
-        map_range_(look.range.value_or(values.range)),
+        map_range_(look.range.value_or(tidyRange(values.range))),
         range_(ascending(map_range_)) {}
 
   ChosenLook choose() {
@@ -301,12 +309,13 @@ class Chooser {
     if (!look_.modulate || !traitsOf(mode_).has_colors) return;
     // A volume of one value is flat, whatever the unit.
     const double unit = range_.hi > range_.lo ? range_.hi - range_.lo : 1;
-    chosen_.transfer = modulateByGradient(std::move(chosen_.transfer), look_.full_gradient * unit);
     // Labels have no use for the range, but the gradients are a share of it.
     if (look_.range && !said_range_) addRange(*look_.range);
     // A share of the range that the options say, which may be another one.
     const double said = said_range_ ? said_range_->hi - said_range_->lo : unit;
-    const double share = said == unit ? look_.full_gradient : look_.full_gradient * unit / said;
+    const double share =
+        said == unit ? look_.full_gradient : tidyNumber(look_.full_gradient * unit / said);
+    chosen_.transfer = modulateByGradient(std::move(chosen_.transfer), share * said);
     add(fmt::format(" --modulate --full-gradient {}", share));
   }
 
@@ -384,7 +393,7 @@ double stepFor(const View& view, const TimeStep& step, int finest_level) {
   level.spacing = level.spacing * times;
   for (int a = 0; a < 3; ++a)
     level.dims[a] = std::max<int64_t>(1, std::llround(static_cast<double>(level.dims[a]) / times));
-  return times * stepFor(view, level);
+  return tidyNumber(times * stepFor(view, level));
 }
 
 }  // namespace sluice
