@@ -7,6 +7,7 @@
 #include "src/base/threads/progress_meter.h"
 #include "src/classify/blocks/classification.h"
 #include "src/index/stale_check.h"
+#include "src/library/opening/indexed_volume.h"
 #include "tests/support/function_source.h"
 
 namespace sluice {
@@ -17,6 +18,28 @@ ValueRange meansOf(const CoarserLevel& level) {
   ProgressMeter progress;
   const BlockLayout layout = blockLayout(level.source->layout().dims, 16, 0);
   return buildSliceRanges(*level.source, 0, layout, {pool, progress}).device_range;
+}
+
+// Channels of one file have one line if it holds for all of them.
+TEST(StandIn, isToldOncePerVolumeOrOfTheChannelsThatHaveOne) {
+  std::vector<IndexedVolume> volumes(3);
+  std::vector<const IndexedVolume*> all;
+  for (size_t i = 0; i < volumes.size(); ++i) {
+    volumes[i].name = "cells.zarr";
+    volumes[i].channel.number = static_cast<int64_t>(i);
+    volumes[i].channel.name = i == 1 ? "GFP" : "";
+    all.push_back(&volumes[i]);
+  }
+  EXPECT_TRUE(standInNotes(all).empty());
+  const std::string told =
+      "level 0 has no index yet; the range of values, the look and the fit come from level 2 and "
+      "may differ a little from those of level 0";
+  for (const size_t i : {1U, 2U})
+    volumes[i].stand_in = {.level = 2, .index = {}, .device_range = {}};
+  EXPECT_EQ(standInNotes(all), (std::vector<std::string>{"cells.zarr: channel 1 (GFP): " + told,
+                                                         "cells.zarr: channel 2: " + told}));
+  volumes[0].stand_in = volumes[1].stand_in;
+  EXPECT_EQ(standInNotes(all), std::vector<std::string>{"cells.zarr: " + told});
 }
 
 TEST(StandIn, spreadsTellTheRangeOfTwoValues) {

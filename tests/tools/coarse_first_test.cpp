@@ -17,6 +17,7 @@ namespace sluice {
 namespace {
 
 using nlohmann::json;
+using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
@@ -132,6 +133,24 @@ TEST_F(CoarseFirst, theFitTakesInWhatSpreadsShow) {
       }
     }
   EXPECT_GT(shown, 20);
+}
+
+// Whichever of several volumes it is.
+TEST_F(CoarseFirst, isSaidOfTheVolumeThatHasNoIndex) {
+  run("pack synth:phantom,dims=160x150x140 -o w.zarr --chunk 16 --levels 3");
+  removeIndex();
+  run("info v.zarr --block 32");
+  const std::string picture =
+      "v.zarr --over w.zarr --pixel-error 2 --look over:green,60:255 --threshold 60 --no-shade "
+      "--block 32 --view plain --size 64 ";
+  for (const char* command :
+       {"plan ", "simulate --frames 1 --policies lru ", "render --force -o x.png "}) {
+    SCOPED_TRACE(command);
+    EXPECT_THAT(run(command + picture), AllOf(HasSubstr("w.zarr: level 0 has no index yet"),
+                                              Not(HasSubstr("v.zarr: level 0 has no index yet"))));
+    EXPECT_THAT(program_.json(command + picture)["warnings"],
+                testing::Contains(HasSubstr("w.zarr: level 0 has no index yet")));
+  }
 }
 
 TEST_F(CoarseFirst, whatComesFromACoarseLevelIsSaid) {

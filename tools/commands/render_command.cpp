@@ -55,8 +55,7 @@ std::vector<std::string> idleLines(const RenderJob& job, const std::set<std::str
 // The warnings that do not follow from the scene's look or its volumes' notes.
 std::vector<std::string> warningsOf(const RenderJob& job, const std::set<std::string>& given,
                                     const std::optional<SavedView>& saved) {
-  std::vector<std::string> lines;
-  if (job.scene.volume.stand_in) lines.push_back(job.scene.volume.standInNote());
+  std::vector<std::string> lines = job.scene.standInNotes();
   if (saved) std::ranges::move(saved->notes(), std::back_inserter(lines));
   std::ranges::move(idleLines(job, given), std::back_inserter(lines));
   return lines;

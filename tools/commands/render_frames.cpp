@@ -222,7 +222,8 @@ FrameOptions drawingOptions(const RenderJob& job) {
 }
 
 std::vector<RefinedPicture> drawSample(const RenderJob& job) {
-  if (!job.arguments.resources.quiet) printWarning(job.scene.volume.standInNote());
+  if (!job.arguments.resources.quiet)
+    for (const std::string& note : job.scene.standInNotes()) printWarning(note);
   FrameOptions options = drawingOptions(job);
   requireWholePicture(job.arguments, job.scene);
   std::filesystem::path name = frameName(job.arguments, 0);

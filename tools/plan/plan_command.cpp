@@ -109,7 +109,8 @@ void check(const PlanArguments& arguments) {
 
 // The plan of a picture of which nothing is known before all of the volume is read.
 int printPassAlone(const PlanArguments& arguments, const PassForecast& pass, const CLI::App& app) {
-  nlohmann::json report{{"command", "plan"}, {"options", optionsJson(app)}};
+  nlohmann::json report{
+      {"command", "plan"}, {"options", optionsJson(app)}, {"warnings", nlohmann::json::array()}};
   addStoreJson(report, {}, pass);
   if (!arguments.report_file.empty()) writeReport(arguments.report_file, report);
   if (arguments.json)
@@ -192,7 +193,8 @@ int run(const PlanArguments& asked, const CLI::App& app) {
   report["command"] = "plan";
   report["options"] = optionsJson(app);
   report["warnings"] = warnings;
-  for (const std::string& note : notesOf(opened)) report["warnings"].push_back(note);
+  for (const auto& notes : {standInNotes(opened), notesOf(opened)})
+    for (const std::string& note : notes) report["warnings"].push_back(note);
   addStoreJson(report, sumOf(channels).forecast, pass);
   if (culling) report["culling"] = countsJson(culling->blocks.counts());
   if (!arguments.report_file.empty()) {

@@ -86,9 +86,11 @@ void printTables(const PlanToReport& plan) {
 }
 
 void printIndices(const PlanToReport& plan) {
+  std::vector<const IndexedVolume*> volumes;
+  for (const PlannedChannel& channel : plan.channels) volumes.push_back(channel.share.look.volume);
+  for (const std::string& note : standInNotes(volumes)) say("{}\n", note);
   for (size_t i = 0; i < plan.channels.size(); ++i) {
     const IndexedVolume& volume = *plan.channels[i].share.look.volume;
-    if (volume.stand_in) say("{}\n", volume.standInNote());
     // A plan that took minutes owes the reason, and whether the next one takes them again.
     if (!volume.stand_in && volume.index->origin != IndexOrigin::kRead)
       say("index {}: this plan has read the whole volume for it, {}\n", name(volume.index->origin),

@@ -74,6 +74,13 @@ std::vector<std::string> optionWarnings(const std::set<std::string>& given,
   return lines;
 }
 
+std::vector<std::string> standInNotes(const OpenedPicture& opened) {
+  std::vector<const IndexedVolume*> volumes;
+  volumes.reserve(opened.volumes.size());
+  for (const IndexedVolume& volume : opened.volumes) volumes.push_back(&volume);
+  return standInNotes(volumes);
+}
+
 std::vector<std::string> notesOf(const OpenedPicture& opened) {
   std::vector<std::string> notes;
   for (const IndexedVolume& volume : opened.volumes)

@@ -47,6 +47,9 @@ std::vector<std::string> optionWarnings(const std::set<std::string>& given,
                                         const CullingArguments& culling,
                                         const MachineOptions& machine, const OpenedPicture& opened);
 
+// standInNotes() of the volumes.
+std::vector<std::string> standInNotes(const OpenedPicture& opened);
+
 // The notes of the volumes, each once.
 std::vector<std::string> notesOf(const OpenedPicture& opened);
 

@@ -239,6 +239,21 @@ std::string IndexedVolume::standInNote() const {
       name, stand_in->level);
 }
 
+std::vector<std::string> standInNotes(std::span<const IndexedVolume* const> volumes) {
+  const bool have_all = std::ranges::all_of(
+      volumes, [](const IndexedVolume* volume) { return volume->stand_in.has_value(); });
+  std::vector<std::string> notes;
+  for (const IndexedVolume* volume : volumes) {
+    std::string note = volume->standInNote();
+    if (note.empty()) continue;
+    // The volume over the others has a name of its own.
+    if (!have_all && !volume->channel.is_over)
+      note.insert(volume->name.size() + 2, volume->channel.title() + ": ");
+    if (std::ranges::find(notes, note) == notes.end()) notes.push_back(std::move(note));
+  }
+  return notes;
+}
+
 ValueRange IndexedVolume::finiteRange() const {
   const ValueRange far = index->ranges.far_range;
   if (far.lo > far.hi) return values.range;

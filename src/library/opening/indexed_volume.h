@@ -10,6 +10,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -84,6 +85,10 @@ struct IndexPass : VolumePass {
 IndexedVolume indexVolume(std::unique_ptr<VolumeSource> source, const VolumeArguments& arguments,
                           const MachineOptions& machine, const IndexNeeds& needs,
                           const IndexWish& wish, const IndexPass& pass);
+
+// The standInNote() of each volume that has one, each line once. If only some of a file's channels
+// have one, the lines name these.
+std::vector<std::string> standInNotes(std::span<const IndexedVolume* const> volumes);
 
 // The look of the volume's channel.
 ChosenLook lookFor(const IndexedVolume& volume, const LookArguments& look, Mode mode);

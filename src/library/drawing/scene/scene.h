@@ -171,6 +171,8 @@ struct Scene : Layer {
   // Lines about options of the looks that do not do what they say. With several layers, each names
   // its channel.
   std::vector<std::string> lookWarnings() const;
+  // standInNotes() of the layers' volumes.
+  std::vector<std::string> standInNotes() const;
   // The reason why a frame shows nothing, in one line; empty if it shows something.
   std::string whyNothing(const SceneFrame& frame, int64_t time, const FrameOptions& options,
                          const IndexPass& pass) const;

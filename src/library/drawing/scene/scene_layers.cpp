@@ -310,6 +310,12 @@ std::vector<std::string> Scene::lookWarnings() const {
   return lines;
 }
 
+std::vector<std::string> Scene::standInNotes() const {
+  std::vector<const IndexedVolume*> volumes;
+  for (const Layer* layer : layers()) volumes.push_back(&layer->volume);
+  return sluice::standInNotes(volumes);
+}
+
 std::string Scene::emptyLayers(const SceneFrame& frame, int64_t time, const FrameOptions& options,
                                const IndexPass& pass) const {
   std::string line;
