@@ -101,14 +101,39 @@ TEST_F(IdleOptions, areInReportsAlsoOfQuietRuns) {
 
 TEST_F(IdleOptions, ofSamplingAreWarningsOfPlansTurnsAndBenches) {
   const std::string idle = "--quality changes nothing with a --step of more than 2 voxels";
-  for (const char* command : {"plan ", "simulate --frames 1 --policies lru ",
-                              "bench render --frames 1 ", "bench algorithms --frames 1 "}) {
+  for (const char* command :
+       {"plan ", "simulate --frames 1 --policies lru ", "bench render --frames 1 ",
+        "bench algorithms --frames 1 ", "bench ranks --ranks 1 --frames 1 "}) {
     SCOPED_TRACE(command);
     const std::string line =
         command + std::string(kSmall) + " --size 32 --quality normal --threshold 40 --step ";
     EXPECT_THAT(program_.run(line + "3").output, HasSubstr(idle));
     EXPECT_THAT(program_.run(line + "2").output, Not(HasSubstr("changes nothing")));
   }
+}
+
+// The benches of series and of several channels, too.
+TEST_F(IdleOptions, ofSamplingAreWarningsOfBenchesOfSeveralVolumes) {
+  ASSERT_EQ(program_.run("synth mixing -o mix_%03d.nrrd --dims 16,16,16 --steps 2 -q").status, 0);
+  const std::string series =
+      "bench culling mix_%03d.nrrd --size 32 --quality normal --threshold 40 --no-thresholds "
+      "--no-optimum --views 1 ";
+  EXPECT_THAT(program_.run(series + "--step 3").output,
+              HasSubstr("--quality changes nothing with a --step of more than 2 voxels"));
+  EXPECT_THAT(program_.run(series + "--no-series").output,
+              HasSubstr("--quality changes nothing with --no-series"));
+  EXPECT_THAT(program_.run(series).output, Not(HasSubstr("changes nothing")));
+}
+
+// Simulations have them in their report, as plans have.
+TEST_F(IdleOptions, areInReportsOfSimulations) {
+  const std::string line = std::string("simulate --frames 1 --policies lru -q --size 32 ") + kSmall;
+  EXPECT_THAT(program_.json(line + " --fov 50 --threshold 300")["warnings"],
+              testing::IsSupersetOf(
+                  {testing::Matcher<std::string>(
+                       HasSubstr("--fov changes nothing with an orthographic camera")),
+                   testing::Matcher<std::string>(HasSubstr("--threshold 300: nothing shows"))}));
+  EXPECT_THAT(program_.json(line + " --threshold 40")["warnings"], testing::IsEmpty());
 }
 
 // Below a voxel, a step takes places between the planes of voxels.

@@ -32,9 +32,14 @@ AskedView addPictures(CLI::App& app, BenchArguments& arguments) {
   return asked;
 }
 
+std::vector<std::string> idleQuality(const BenchArguments& bench, const Scene& scene,
+                                     const FrameOptions& frame) {
+  if (bench.app->count("--quality") == 0) return {};
+  return idleOptions({"--quality"}, pictureFacts(scene, frame));
+}
+
 void warnOfIdleQuality(const BenchArguments& bench, const Scene& scene, const FrameOptions& frame) {
-  if (bench.app->count("--quality") == 0) return;
-  for (const std::string& line : idleOptions({"--quality"}, pictureFacts(scene, frame)))
+  for (const std::string& line : idleQuality(bench, scene, frame))
     printWarning(fmt::format("{}: {}", scene.volume.name, line));
 }
 

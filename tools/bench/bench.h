@@ -67,7 +67,10 @@ inline constexpr const char* kFramesOfEachWay =
     "Frames measured for each variant, after 2 warm ones";
 inline constexpr const char* kFrames = "Frames measured, after 2 warm ones";
 
-// Prints a warning if --quality was given for nothing in frames of the scene.
+// The line about --quality if it was given for nothing in frames of the scene.
+std::vector<std::string> idleQuality(const BenchArguments& bench, const Scene& scene,
+                                     const FrameOptions& frame);
+// Prints it as a warning.
 void warnOfIdleQuality(const BenchArguments& bench, const Scene& scene, const FrameOptions& frame);
 
 // "bonsai.nii.gz@40" -> the file and 40; a file without one keeps `threshold`.

@@ -43,6 +43,13 @@ void measure(ChannelsWay& way, const FrameOptions& options) {
   way.cpu_s.push_back(processorSeconds() - before_s);
 }
 
+// A line for each way in which --quality changes nothing.
+void warnOfIdleQuality(const BenchArguments& bench, const std::vector<ChannelsWay>& ways) {
+  for (const ChannelsWay& way : ways)
+    for (const std::string& line : idleQuality(bench, way.scene, bench.frame))
+      printWarning(fmt::format("{}: {}: {}", way.scene.volume.name, way.name, line));
+}
+
 json benchChannels(const BenchArguments& bench) {
   const std::vector<ChannelSource> channels = openChannels(bench.volume);
   if (channels.size() < 2 || channels.back().channel.is_over)
@@ -62,6 +69,7 @@ json benchChannels(const BenchArguments& bench) {
     look.combine = combine;
     ways.push_back(wayOf(bench, name, bench.volume, look, parts));
   }
+  warnOfIdleQuality(bench, ways);
   for (int i = -kWarmFrames; i < bench.frames; ++i) {
     FrameOptions options = bench.frame;
     options.camera.azimuth_deg += 360.0 * std::max(i, 0) / bench.frames;

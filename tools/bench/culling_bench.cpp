@@ -18,6 +18,7 @@
 #include "src/volume/voxels/device_reader.h"
 #include "tools/bench/bench.h"
 #include "tools/bench/culling_print.h"
+#include "tools/command_line/console.h"
 #include "tools/options/shared_options.h"
 #include "tools/scene/open_scene.h"
 #include "tools/scene/series.h"
@@ -291,6 +292,7 @@ void drawSeries(const CullingBench& bench, json& report) {
     CullingArguments how = bench.culling;
     how.culling = culling;
     Scene scene = openScene(bench.volume, bench.look, bench.resources, bench.frame);
+    if (culling == Culling::kNone) warnOfIdleQuality(bench, scene, bench.frame);
     Series series(scene, how, bench.resources, bench.frame);
     scene.session->setOptions(bench.frame);
     dropFromMemory(scene.volume.source->files());
@@ -327,7 +329,11 @@ json benchCulling(const CullingBench& asked) {
               {"function_bytes", functions.bytes},
               {"tree", treeOf(functions)}};
   if (!bench.no_thresholds) report["fusion"] = fusionOf(opened, bench);
-  if (!bench.no_series) drawSeries(bench, report);
+  if (!bench.no_series)
+    drawSeries(bench, report);
+  else if (bench.app->count("--quality") > 0)
+    printWarning(opened.volume.name +
+                 ": --quality changes nothing with --no-series, which draws no picture");
   return report;
 }
 

@@ -86,6 +86,8 @@ json benchLevels(const LevelsArguments& bench) {
   if (scene.volume.step().coarser.empty())
     fail("{}: has one level; sluice pack --levels auto makes more", scene.volume.name);
   asked.frame.cut.reset();
+  // The truth and the row of level 0 can be integrated, those of coarser levels never are.
+  warnOfIdleQuality(bench, scene, asked.frame);
   const Picture truth = truthOf(asked, scene);
   json rows = json::array();
   for (const double pixel_error : kPixelErrors)

@@ -76,6 +76,7 @@ class Run {
     if (arguments_.wantsPage()) makePage();
     if (arguments_.prefetch || !export_file_.empty()) useRecords();
     result_.warnings = source_.warnings();
+    result_.opening_notes = source_.openingNotes();
     return std::move(result_);
   }
 
@@ -102,6 +103,7 @@ class Run {
         {"Expected error", fmt::format("at most {:.3f} of the miss ratio, as a mean over sizes",
                                        result_.lru->curve.stated_error)}};
     result_.warnings = source_.warnings();
+    result_.opening_notes = source_.openingNotes();
     return std::move(result_);
   }
 

@@ -61,7 +61,8 @@ struct SimulatedRun {
   std::optional<PrefetchResult> prefetch;
   std::optional<SimulationReport> report;  // if a page is wanted
   std::string export_file;                 // the file of --export; may be empty
-  std::vector<std::string> warnings;
+  std::vector<std::string> warnings;       // to be printed
+  std::vector<std::string> opening_notes;  // printed already
 };
 
 // Files that are read and written, by the options' names.

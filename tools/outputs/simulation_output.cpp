@@ -80,6 +80,16 @@ json factsJson(const SimulatedRun& run) {
           {"resized", run.resized}};
 }
 
+// Channels and page sizes may have the same lines.
+std::vector<std::string> warningsOf(std::span<const SimulatedRun> runs) {
+  std::vector<std::string> lines;
+  for (const SimulatedRun& run : runs)
+    for (const auto* of_run : {&run.warnings, &run.opening_notes})
+      for (const std::string& line : *of_run)
+        if (std::ranges::find(lines, line) == lines.end()) lines.push_back(line);
+  return lines;
+}
+
 std::vector<SimulationRow> allRows(std::span<const SimulatedRun> runs) {
   std::vector<SimulationRow> rows;
   for (const SimulatedRun& run : runs) rows.insert(rows.end(), run.rows.begin(), run.rows.end());
@@ -120,6 +130,7 @@ json simulationJson(std::span<const SimulatedRun> runs, const SimulateArguments&
   const std::vector<SimulationRow> sum = sumOfChannels(runs);
   if (!sum.empty()) report["sum"] = labelledRows(sum);
   report["command"] = "simulate";
+  report["warnings"] = warningsOf(runs);
   report.update(factsJson(runs.front()));
   json& curves = report["curves"] = json::array();
   for (const SimulatedRun& run : runs) {

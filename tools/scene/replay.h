@@ -42,6 +42,8 @@ class ReplaySource {
   virtual uint64_t visit(uint64_t pages, const std::function<void(const TraceRecord&)>& take) = 0;
   // Notes for a person on the data read so far, a line each.
   virtual std::vector<std::string> warnings() const { return {}; }
+  // Notes that were printed when it was opened, which belong into the report, too.
+  virtual std::vector<std::string> openingNotes() const { return {}; }
 };
 
 // `format`: none if the file's name or first bytes tell. `page_bytes`: used if the format does not

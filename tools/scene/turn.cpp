@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "src/render/camera/frame_setup.h"
@@ -27,8 +28,8 @@ OpenedPicture openTurned(const TurnArguments& arguments, WorkerPool& pool, const
   };
   OpenedPicture turned = open(FinestLevel::kMayWait);
   if (mustReadFinest(turned, arguments.frame, pool)) return open(FinestLevel::kRead);
-  for (const IndexedVolume& volume : turned.volumes)
-    if (volume.stand_in && !arguments.resources.quiet) printWarning(volume.standInNote());
+  if (!arguments.resources.quiet)
+    for (const std::string& note : standInNotes(turned)) printWarning(note);
   return turned;
 }
 
@@ -55,6 +56,12 @@ class TurnedChannels {
   std::vector<std::string> idle() const {
     return optionWarnings(arguments_.given, arguments_.look, frameAt(0), {}, arguments_.resources,
                           picture_);
+  }
+  // The lines that opening the volumes has printed.
+  std::vector<std::string> openingNotes() const {
+    std::vector<std::string> notes = standInNotes(picture_);
+    std::ranges::copy(notesOf(picture_), std::back_inserter(notes));
+    return notes;
   }
 
   // All sizes below are in pages that the user asks for. Caches of blended channels have room for
@@ -212,6 +219,9 @@ class Turn final : public ReplaySource {
   std::vector<std::string> files() const override { return volume_.source->files(); }
   std::vector<std::string> warnings() const override {
     return channel_ == 0 ? channels_->idle() : std::vector<std::string>();
+  }
+  std::vector<std::string> openingNotes() const override {
+    return channel_ == 0 ? channels_->openingNotes() : std::vector<std::string>();
   }
   uint64_t defaultPages() const override { return channels_->defaultPages(channel_); }
   uint64_t leastPages() const override { return channels_->leastPages(channel_); }
