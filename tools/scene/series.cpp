@@ -19,6 +19,8 @@ namespace {
 
 // Share of the time without culling: the saving must exceed the difference of two measurements.
 constexpr double kWorthwhile = 0.9;
+// Fewer hidden blocks than this share of those that are not empty cannot save that much.
+constexpr double kLeastHidden = 0.05;
 
 ProgressWatch preparingLine(const ResourceArguments& resources) {
   return resources.quiet ? ProgressWatch() : progressLine("preparing");
@@ -143,13 +145,24 @@ CullingChoice Series::measure(std::span<const int64_t> times) {
     return choice;
   }
   if (times.size() < kLeastMeasured) {
-    choice.line =
-        fmt::format("none: only series of {} steps or more are measured; give toc", kLeastMeasured);
+    choice.line = fmt::format(
+        "none: only series of {} steps or more are measured; give toc if reading a step "
+        "takes longer than drawing it",
+        kLeastMeasured);
     return choice;
   }
   double none = std::numeric_limits<double>::infinity(), culled = none;
   // The first picture warms up and does not count.
   secondsOf(times[0], true);
+  const CullingCounts& first = culled_->countsOf(times[0]);
+  const int64_t hidden = first.blocks_nonempty - first.blocks_visible;
+  if (static_cast<double>(hidden) < kLeastHidden * static_cast<double>(first.blocks_nonempty)) {
+    scene_.session->forgetLastFrame();
+    choice.line =
+        fmt::format("none: it hides {} of the first step's {} blocks, too few to save time", hidden,
+                    first.blocks_nonempty);
+    return choice;
+  }
   // The ways take turns, and the least of two counts, so that neither has the quieter moments.
   for (const size_t i : {1, 3}) {
     none = std::min(none, secondsOf(times[i], false));

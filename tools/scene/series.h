@@ -56,7 +56,8 @@ class Series {
   // --culling auto: draws the first five of the steps with culling and without by turns and keeps
   // no picture of them. It culls from now on if the faster of two steps took a tenth less with
   // culling. The first of the five is not counted: it looks at all tiles of the picture, which
-  // others do not. Requires: the session's options are those of the first picture.
+  // others do not; but if it hides hardly any block, no other is drawn. Requires: the session's
+  // options are those of the first picture.
   void choose(std::span<const int64_t> times);
 
   // The scene's next frame shows this step; while its last is drawn, what `next` needs is read.
