@@ -205,23 +205,28 @@ std::vector<KernelBox> CpuDevice::kernelBoxes() const {
   std::vector<KernelBox> boxes;
   boxes.reserve(put_off_.size());
   std::vector<ChannelBox> joined;
+  const bool may_join = !setup_.others.empty() || setup_.has_surfaces;
+  const auto appendGroup = [&] {
+    if (setup_.has_surfaces && joined.size() == 1)
+      appendBox(setup_, joined[0].box, joined[0].chunk, joined[0].leaps, boxes);
+    else
+      appendJoined(setup_, joined, boxes);
+    joined.clear();
+  };
   for (const BoxDraw& box : put_off_) {
     const Resident& chunk = resident_.at(box.chunk);
     SLUICE_CHECK(!chunk.texels->has_spread || drawsSpreads(setupOfChannel(setup_, box.channel)));
     const bool leaps = leaps_ && chunk.leaps.grid->shown_share < kMostShownToLeap;
     const LeapGrid* const grid = leaps ? &*chunk.leaps.grid : nullptr;
-    if (setup_.others.empty()) {
+    if (!may_join) {
       appendBox(setup_, box, chunk.texels.get(), grid, boxes);
       continue;
     }
     // A box that does not join begins a block: the boxes before it are complete.
-    if (!box.joins) {
-      appendJoined(setup_, joined, boxes);
-      joined.clear();
-    }
+    if (!box.joins) appendGroup();
     joined.push_back({box, chunk.texels.get(), grid});
   }
-  appendJoined(setup_, joined, boxes);
+  appendGroup();
   return boxes;
 }
 

@@ -228,7 +228,9 @@ struct BoxDraw {
   TexelMap texels;
   uint32_t layer = 0;  // layer of a part, see partial_picture.h
   // The channel of a frame of several, 0 for the setup's own, and whether the box joins the one
-  // before it.
+  // before it, or the one that this one joins. In frames with surfaces, a box of another chunk
+  // beside one that it joins lies in that one's cells: its surfaces are drawn slice by slice with
+  // what that box shows.
   uint32_t channel = 0;
   bool joins = false;
   // Frames with surfaces: this box lies beside the cells of another one of the chunk, in texels

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "src/base/error.h"
+#include "src/device/boxes_together.h"
 #include "src/gl/shaders/shading.h"
 
 namespace sluice {
@@ -11,8 +12,7 @@ BlendedBlocks takeBlocks(std::span<const BoxDraw>& boxes, size_t channels) {
   BlendedBlocks blocks;
   blocks.chunks.resize(channels);
   while (!boxes.empty()) {
-    size_t count = 1;
-    while (count < boxes.size() && boxes[count].joins) ++count;
+    const size_t count = countTogether(boxes);
     const std::span<const BoxDraw> of_block = boxes.first(count);
     const Vec3d scale = of_block.front().texels.indexScale();
     // One draw call binds one chunk a channel and has one scale, so a block with another one begins

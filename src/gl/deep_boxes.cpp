@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "src/device/boxes_together.h"
 #include "src/device/drawing_cost.h"
 
 namespace sluice {
@@ -58,8 +59,7 @@ std::vector<BoxDraw> cutDeepBoxes(const FrameSetup& setup, std::span<const BoxDr
   std::vector<BoxDraw> result;
   result.reserve(boxes.size());
   while (!boxes.empty()) {
-    size_t count = 1;
-    while (count < boxes.size() && boxes[count].joins) ++count;
+    const size_t count = countTogether(boxes);
     const std::span<const BoxDraw> joined = boxes.first(count);
     boxes = boxes.subspan(count);
     // Boxes that are blended together are cut at the same planes, so that the parts still fit

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "src/base/error.h"
+#include "src/device/boxes_together.h"
 #include "src/gl/box_buffer.h"
 #include "src/gl/deep_boxes.h"
 #include "src/gl/filter_check.h"
@@ -15,7 +16,8 @@ namespace {
 
 // Boxes a draw call: bounded by the smallest legal buffer texture (65536 texels).
 constexpr size_t kBoxesPerDraw = 65536 / kTexelsPerBox;
-// Texture units; 1, those from 3 to 5, 7 and 8 belong to LookTextures.
+// Texture units; 1, those from 3 to 5, 7 and 8 belong to LookTextures, and those from 9 on to boxes
+// that join another one (joined_boxes.cpp).
 constexpr GLenum kChunkUnit = 0, kKeptUnit = 6;
 
 constexpr Vec3d kOne{1, 1, 1};
@@ -244,14 +246,23 @@ void GlDevice::drawOverKept(std::span<const BoxDraw> boxes, int row_lo, int row_
 
 void GlDevice::draw(std::span<const BoxDraw> given) {
   context_->makeCurrent();
-  const std::vector<BoxDraw> parts =
-      cutDeepBoxes(setup_, given, mostSlices(variant_, 1 + setup_.others.size()));
+  const std::vector<BoxDraw> parts = cutDeepBoxes(
+      setup_, given, mostSlices(variant_, std::max(mostTogether(given), 1 + setup_.others.size())));
   std::span<const BoxDraw> boxes = parts;
   if (!setup_.others.empty()) return drawBlended(boxes);
   while (!boxes.empty()) {
+    if (boxes.size() > 1 && boxes[1].joins) {
+      const size_t count = countTogether(boxes);
+      drawJoined(boxes.first(count));
+      boxes = boxes.subspan(count);
+      continue;
+    }
     auto of_chunk = firstAlike(boxes, [](const BoxDraw& a, const BoxDraw& b) {  //
       return a.chunk == b.chunk;
     });
+    // The last one is drawn with those that join it.
+    if (of_chunk.size() < boxes.size() && boxes[of_chunk.size()].joins)
+      of_chunk = of_chunk.first(of_chunk.size() - 1);
     boxes = boxes.subspan(of_chunk.size());
     ++binds_;
     while (!of_chunk.empty()) {
@@ -280,34 +291,8 @@ void GlDevice::drawFromChunk(std::span<const BoxDraw> boxes) {
   });
 }
 
-void GlDevice::drawBlended(std::span<const BoxDraw> boxes) {
-  const size_t channels = setup_.others.size() + 1;
-  while (!boxes.empty()) {
-    const BlendedBlocks blocks = takeBlocks(boxes, channels);
-    std::vector<const Resident*> chunks(channels, nullptr);
-    std::vector<std::optional<bool>> has_spread(channels);
-    for (size_t c = 0; c < channels; ++c) {
-      if (!blocks.chunks[c]) continue;
-      const auto found = resident_.find(*blocks.chunks[c]);
-      SLUICE_CHECK(found != resident_.end());
-      chunks[c] = &found->second;
-      has_spread[c] = chunks[c]->format.has_spread;
-    }
-    blended_.use(blocks.hulls.front().texels.indexScale(), has_spread,
-                 [this](GlProgram& program) { setFrameView(program); });
-    for (size_t c = 0; c < channels; ++c) {
-      if (chunks[c] == nullptr) continue;
-      blended_.bindChunk(c, chunks[c]->texture, chunks[c]->storage_vox);
-      ++binds_;
-    }
-    drawPieces(blocks.hulls, [&](const DrawingPiece& piece) {
-      drawBoxes(inGroups(blocks, piece.first, piece.count), channels + 1);
-    });
-  }
-}
-
-template <class Draw>
-void GlDevice::drawPieces(std::span<const BoxDraw> boxes, const Draw& draw) {
+void GlDevice::drawPieces(std::span<const BoxDraw> boxes,
+                          const std::function<void(const DrawingPiece&)>& draw) {
   for (DrawingPiece piece : pieces_->cut(boxes)) {
     // A stop takes effect only if the driver is not ahead by seconds of work.
     if (piece.waits) gl_.Finish();

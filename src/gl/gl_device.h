@@ -8,6 +8,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -77,10 +78,12 @@ class GlDevice : public Device, public DrawsForScreens, public DrawsRows {
   void bindTarget();
   // Draws boxes of one chunk and one scale, in pieces between which it checks whether to stop.
   void drawFromChunk(std::span<const BoxDraw> boxes);
+  // Draws a box together with those that join it.
+  void drawJoined(std::span<const BoxDraw> boxes);
   // Draws the boxes of a frame of several channels.
   void drawBlended(std::span<const BoxDraw> boxes);
-  template <class Draw>
-  void drawPieces(std::span<const BoxDraw> boxes, const Draw& draw);
+  void drawPieces(std::span<const BoxDraw> boxes,
+                  const std::function<void(const DrawingPiece&)>& draw);
   // Draws the boxes, or the first of each `group` of so many, which the program knows how to read.
   void drawBoxes(std::span<const BoxDraw> boxes, size_t group = 1);
   // The same box by box, with the target's rows [row_lo, row_hi) of each as they were before it.

@@ -64,7 +64,10 @@ class OctreeClusters {
 
   // Blocks in one cell of the grid.
   void add(size_t grid, Vec3i index, std::vector<BlockPosition> blocks) {
-    if (blocks.size() > capacity_) {
+    size_t with_seams = blocks.size();
+    for (const BlockPosition block : blocks)
+      with_seams += static_cast<size_t>(plan_.seamsOf(block));
+    if (with_seams > capacity_) {
       divide(grid + 1, blocks);
       return;
     }
@@ -75,7 +78,8 @@ class OctreeClusters {
   }
 
  private:
-  // A cell of the finest grid has one block, which the cache holds: there is always a finer grid.
+  // A cell of the finest grid has one block, which the cache holds with its seams: there is always
+  // a finer grid.
   void divide(size_t grid, const std::vector<BlockPosition>& blocks) {
     std::map<std::tuple<int64_t, int64_t, int64_t>, std::vector<BlockPosition>> cells;
     // Regions of all levels are made of whole cells of any coarser grid, so that the corner alone
@@ -121,8 +125,14 @@ void groupIntoClusters(TexturePlan& plan, int64_t capacity_blocks) {
   // they are one cluster.
   plan.cluster_grids.insert(plan.cluster_grids.begin(), {plan.layout().dims, {1, 1, 1}});
   std::vector<BlockPosition> all;
-  for (const BlockPosition block : plan.blocks.indices()) all.push_back(block);
+  for (const BlockPosition block : plan.blocks.indices())
+    if (!plan.blocks[block].isOfSeam()) all.push_back(block);
   OctreeClusters(plan, capacity_blocks).add(0, {0, 0, 0}, std::move(all));
+  ClusterPosition last;
+  for (TextureBlock& block : plan.blocks) {
+    if (block.isOfSeam()) block.cluster = last;
+    last = block.cluster;
+  }
 }
 
 void groupAs(const TexturePlan& other, TexturePlan& plan) {

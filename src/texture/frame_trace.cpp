@@ -32,7 +32,8 @@ int64_t bindCount(const TexturePlan& plan, const EyePosition& eye) {
   // One block a chunk (algorithms I to III): each block that is drawn binds once, whatever the
   // order.
   if (plan.chunks.size() == plan.blocks.size()) {  // in any order
-    for (const TextureBlock& block : plan.blocks) binds += block.cells.empty() ? 0 : 1;
+    for (const TextureBlock& block : plan.blocks)
+      binds += block.cells.empty() || block.isOfSeam() ? 0 : 1;
     return binds;
   }
   for (const ClusterPosition position : clusterOrder(plan, eye)) {

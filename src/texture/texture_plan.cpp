@@ -1,6 +1,7 @@
 #include "src/texture/texture_plan.h"
 
 #include <algorithm>
+#include <bit>
 #include <map>
 #include <tuple>
 
@@ -49,12 +50,49 @@ TextureBlock trimmedBlock(const PyramidLayout& pyramid, const ObjectBlock& objec
   return result;
 }
 
+// The texels of the coarser block that a seam needs.
+TextureBlock seamBlock(const PyramidLayout& pyramid, const VisibleBlocks& visible, size_t number,
+                       Algorithm algorithm) {
+  const LevelSeam& seam = visible.seams[number];
+  ObjectBlock object;
+  object.name = seam.coarse;
+  object.cells = seam.cells;
+  object.trimming_axis = seam.face % 3;  // a seam is thin across its face
+  TextureBlock result =
+      loadsWholeBlocks(algorithm) ? wholeBlock(pyramid, object) : trimmedBlock(pyramid, object);
+  result.seam = static_cast<int32_t>(number);
+  return result;
+}
+
+// Visits the block, and its seams behind it.
+void visitWithSeams(const PyramidLayout& pyramid, const VisibleBlocks& visible, Algorithm algorithm,
+                    const TextureBlock& block,
+                    const std::function<void(const TextureBlock&)>& visit) {
+  visit(block);
+  if (visible.seams.empty() || block.level_faces == 0) return;
+  const auto first = std::ranges::lower_bound(visible.seams, block.name, {}, &LevelSeam::fine);
+  for (auto seam = first; seam != visible.seams.end() && seam->fine == block.name; ++seam)
+    visit(
+        seamBlock(pyramid, visible, static_cast<size_t>(seam - visible.seams.begin()), algorithm));
+}
+
+// The most seams that a block has.
+int64_t mostSeams(const VisibleBlocks& visible) {
+  int64_t most = 0, count = 0;
+  for (size_t i = 0; i < visible.seams.size(); ++i) {
+    count = i > 0 && visible.seams[i].fine == visible.seams[i - 1].fine ? count + 1 : 1;
+    most = std::max(most, count);
+  }
+  return most;
+}
+
 // Without their chunks and clusters.
 void addBlocks(TexturePlan& plan, const VisibleBlocks& visible, const PlanOptions& options) {
   int64_t count = static_cast<int64_t>(visible.blocks.size());
   if (loadsEveryBlock(visible, options.algorithm))
     count = visible.share ? static_cast<int64_t>(visible.share->blocks.size())
                           : plan.layout().blockCount();
+  count += static_cast<int64_t>(visible.seams.size());
   reserveLarge(plan.blocks, static_cast<size_t>(std::min(count, kMostBlocks)));
   visitTextureBlocks(plan.pyramid, visible, options,
                      [&](const TextureBlock& block) { plan.blocks.push_back(block); });
@@ -143,8 +181,11 @@ bool addChunk(TexturePlan& plan, const MergedChunk& merged) {
 std::vector<MergedChunk> mergeLevels(const TexturePlan& plan, const Cluster& cluster,
                                      MergeOrder order) {
   std::map<int32_t, std::vector<MergeBlock>> by_level;
-  for (const BlockPosition position : cluster.blocks)
-    by_level[plan.blocks[position].name.level].push_back(mergeBlock(plan, position));
+  for (const BlockPosition first : cluster.blocks)
+    for (int64_t i = 0; i <= plan.seamsOf(first); ++i) {
+      const BlockPosition position(first.value() + i);
+      by_level[plan.blocks[position].name.level].push_back(mergeBlock(plan, position));
+    }
   std::vector<MergedChunk> merged;
   for (const auto& [level, blocks] : by_level)
     for (MergedChunk& chunk : mergeInCluster(blocks, sideOf(plan.pyramid), order))
@@ -220,6 +261,13 @@ std::string_view name(Algorithm algorithm) {
   return kAlgorithmNames[static_cast<size_t>(algorithm)];
 }
 
+int64_t TexturePlan::seamsOf(BlockPosition block) const {
+  int64_t next = block.value() + 1;
+  const auto count = static_cast<int64_t>(blocks.size());
+  while (next < count && blocks[BlockPosition(next)].isOfSeam()) ++next;
+  return next - block.value() - 1;
+}
+
 int64_t TexturePlan::pageCount() const {
   int64_t pages = 0;
   for (const Chunk& chunk : chunks) pages += chunk.pages;
@@ -273,7 +321,8 @@ void visitTextureBlocks(const PyramidLayout& pyramid, const VisibleBlocks& visib
                         const std::function<void(const TextureBlock&)>& visit) {
   const Algorithm algorithm = options.algorithm;
   if (!loadsWholeBlocks(algorithm)) {
-    for (const ObjectBlock& object : visible.blocks) visit(trimmedBlock(pyramid, object));
+    for (const ObjectBlock& object : visible.blocks)
+      visitWithSeams(pyramid, visible, algorithm, trimmedBlock(pyramid, object), visit);
     return;
   }
   if (!loadsEveryBlock(visible, algorithm)) {
@@ -284,7 +333,7 @@ void visitTextureBlocks(const PyramidLayout& pyramid, const VisibleBlocks& visib
       // levels overlap them.
       if (algorithm == Algorithm::kConventional && object.name.level == 0)
         object.cells = intersect(pyramid.regionOf(object.name), options.crop);
-      visit(wholeBlock(pyramid, object));
+      visitWithSeams(pyramid, visible, algorithm, wholeBlock(pyramid, object), visit);
     }
     return;
   }
@@ -321,6 +370,11 @@ int64_t clusterCapacity(const PyramidLayout& pyramid, const VisibleBlocks& visib
         "a block of {0} x {0} x {0} voxels takes {1} pages and the texture cache has {2}; give "
         "--pages {1} or a smaller --block",
         side, block_pages, page.pages);
+  if (const int64_t least = 1 + mostSeams(visible); capacity_blocks < least)
+    failMemory(
+        "translucent surfaces between levels of resolution need {0} blocks at once, which take {1} "
+        "pages, and the texture cache has {2}; give --pages {1}, a smaller --block or --level",
+        least, std::bit_ceil(static_cast<uint64_t>(least * block_pages)), page.pages);
   return capacity_blocks;
 }
 

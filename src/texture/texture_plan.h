@@ -50,11 +50,15 @@ struct TextureBlock {
   Box3 voxels;  // voxels of its own level that are copied; beyond the volume if the block is padded
   int trimming_axis = 2;     // becomes texture z
   unsigned level_faces = 0;  // ObjectBlock::level_faces
+  // Not a block of its own, but texels of a coarser one under cells of the block before it, which
+  // is drawn with them: the number of the seam in VisibleBlocks::seams; -1: none.
+  int32_t seam = -1;
   ChunkPosition chunk;
   Vec3i at;  // texel of voxels.lo in the chunk
   ClusterPosition cluster;
 
   Vec3i texels() const { return turned(voxels.size(), trimming_axis); }
+  bool isOfSeam() const { return seam >= 0; }
 };
 
 // A unit of loading into the texture cache: texture blocks and the texels between them.
@@ -69,8 +73,9 @@ struct Chunk {
 struct Cluster {
   size_t grid = 0;                    // index into TexturePlan::cluster_grids
   Vec3i index;                        // in that grid
-  std::vector<BlockPosition> blocks;  // blocks of this cluster
-  // The chunks that hold these blocks. A chunk merged between two clusters is in both.
+  std::vector<BlockPosition> blocks;  // blocks of this cluster, without those of seams
+  // The chunks that hold these blocks, and those of their seams. A chunk merged between two
+  // clusters is in both.
   std::vector<ChunkPosition> chunks;
 };
 
@@ -94,6 +99,8 @@ struct TexturePlan {
   IndexedVector<ClusterPosition, Cluster> clusters;  // clusters with anything to draw
 
   const BlockLayout& layout() const { return pyramid.finest(); }
+  // How many blocks of seams follow a block, whose they are.
+  int64_t seamsOf(BlockPosition block) const;
   // Numbers a texel of a chunk, all of whose blocks are of one level.
   int numbersOf(const Chunk& chunk) const {
     return pyramid.of(blocks[chunk.blocks.front()].name).numbers;
@@ -131,14 +138,14 @@ bool loadsEveryBlock(const VisibleBlocks& visible, Algorithm algorithm);
 void requireListable(const BlockLayout& layout, Algorithm algorithm);
 
 // Calls `visit` with each texture block of a plan, in the plan's order, before it has a chunk and a
-// cluster. Holds no list of them. Throws Error when all blocks are loaded and are more than a plan
-// can list.
+// cluster: each block's seams (TextureBlock::isOfSeam()) come behind it. Holds no list of them.
+// Throws Error when all blocks are loaded and are more than a plan can list.
 void visitTextureBlocks(const PyramidLayout& pyramid, const VisibleBlocks& visible,
                         const PlanOptions& options,
                         const std::function<void(const TextureBlock&)>& visit);
 
-// The most blocks that a cluster has: as many as fit the texture cache. Throws Error when that has
-// fewer pages than one block.
+// The most blocks that a cluster has: as many as fit the texture cache, which count with their
+// seams. Throws Error when that has fewer pages than one block with its seams.
 int64_t clusterCapacity(const PyramidLayout& pyramid, const VisibleBlocks& visible,
                         const PageGeometry& page);
 

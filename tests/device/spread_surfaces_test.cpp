@@ -131,5 +131,49 @@ TEST_F(SpreadSurfaces, surfacesThatLetLightThroughHaveTheirShareOfAFade) {
         }
 }
 
+// Boxes of two other chunks join one: all lie in one medium, in which each slice has its place.
+TEST_F(SpreadSurfaces, ofBoxesThatJoinOneLieAtTheirPlacesInIt) {
+  const auto movedAt = [](int64_t i) { return wavesAt((i + 3) % (kDims.x * kDims.y * kDims.z)); };
+  for (const bool has_spread : {false, true})
+    for (const bool lit : {false, true})
+      for (const DeviceType type : {DeviceType::kU8, DeviceType::kF32}) {
+        SCOPED_TRACE(fmt::format("spread {}, lit {}, {}", has_spread, lit, name(type)));
+        const FrameSetup setup = withSurfaces(setupOf({.lit = lit}, type), false);
+        const ChunkTexelsPtr fine = chunkOf(wavesAt, type, false);
+        const ChunkTexelsPtr coarse = chunkOf(movedAt, type, has_spread);
+        const auto drawWith = [&](Device& device, bool joins) {
+          BoxDraw box;
+          box.chunk = 1;
+          box.cells = {{3, 2, 1}, {14, 15, 13}};
+          std::vector<BoxDraw> boxes(3, box);
+          for (size_t i = 1; i < boxes.size(); ++i) {
+            boxes[i].chunk = 1 + i;
+            boxes[i].texels.scale = {0.5, 0.8, 0.5};
+            boxes[i].texels.offset = {1, 1.5, 2};
+            boxes[i].beside = box.cells;
+            boxes[i].joins = joins;
+            boxes[i].fade.emplace();
+          }
+          boxes[1].cells.lo.x = 8;
+          boxes[2].cells.hi.y = 9;
+          boxes[2].texels.axes = {1, 2, 0};
+          boxes[2].fade->slope[0] = 0.08;
+          boxes[2].fade->start[0] = -0.2;
+          device.makeResident(1, fine);
+          device.makeResident(2, coarse);
+          device.makeResident(3, coarse);
+          device.beginFrame(setup);
+          device.draw(boxes);
+          Picture picture = device.endFrame();
+          for (const uint64_t id : {1, 2, 3}) device.evict(id);
+          return picture;
+        };
+        PlainDevice plain;
+        const Picture drawn = drawWith(*device_, true);
+        EXPECT_LE(pixelsApart(drawn, drawWith(plain, true), 2), kMostTouching);
+        EXPECT_GT(pixelsApart(drawn, drawWith(*device_, false), 4), 20);
+      }
+}
+
 }  // namespace
 }  // namespace sluice::spread_chunks

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 
+#include "src/base/error.h"
 #include "src/render/blocks/cut/level_faces.h"
 
 namespace sluice {
@@ -72,28 +73,16 @@ TEST(LevelFades, theSharesOfAllBlocksAddUpToOne) {
   Cut cut = cutOfThree();
   const std::vector<LevelSeam> seams = cut.seams();
   const LevelFades fades(seams);
-  const EyePosition eye{true, {1, 1, 1}};
-  std::vector<BoxDraw> borders;
-  for (const ObjectBlock& block : cut.blocks) {
-    BoxDraw box;
-    box.cells = block.cells;
-    LevelBorders of_block;
-    fades.addBorders(block.name, box, kShown, eye, of_block);
-    // Rays pass the finer block first, with the borders in it.
-    EXPECT_TRUE(of_block.behind.empty());
-    for (const BoxDraw& border : of_block.before) borders.push_back(border);
-  }
-  ASSERT_EQ(borders.size(), 2U);
+  ASSERT_EQ(seams.size(), 2U);
   double least = 1;
   for (double x = 33; x <= 44; x += 0.25)
     for (double y = 33; y <= 44; y += 0.25) {
       const Vec3d at{x, y, 36.3};
       const double own = shareAt(fades.within(cut.blocks[0].name), at);
       double sum = own;
-      for (const BoxDraw& border : borders)
-        if (x >= static_cast<double>(border.cells.lo.x) &&
-            y >= static_cast<double>(border.cells.lo.y))
-          sum += shareAt(border.fade, at);
+      for (const LevelSeam& seam : seams)
+        if (x >= static_cast<double>(seam.cells.lo.x) && y >= static_cast<double>(seam.cells.lo.y))
+          sum += shareAt(fades.rest(seam), at);
       EXPECT_NEAR(sum, 1, 1e-9) << x << ", " << y;
       least = std::min(least, own);
       if (x == 44 || y == 44) {
@@ -105,16 +94,92 @@ TEST(LevelFades, theSharesOfAllBlocksAddUpToOne) {
     EXPECT_FALSE(fades.within(cut.blocks[coarse].name)) << "drawn in full";
 }
 
-TEST(LevelFades, bordersBehindTheirBlockAreDrawnAfterIt) {
+// The finer block's box may end before its face: the rest of the seam is drawn on its own.
+TEST(LevelFades, theRestJoinsTheFinerBlockAsFarAsThatShowsSomething) {
   Cut cut = cutOfThree();
-  const std::vector<LevelSeam> seams = cut.seams();
-  LevelBorders borders;
-  BoxDraw box;
-  box.cells = cut.blocks[1].cells;
-  LevelFades(seams).addBorders(cut.blocks[1].name, box, kShown, {true, {-1, 1, 1}}, borders);
-  EXPECT_TRUE(borders.before.empty());
-  ASSERT_EQ(borders.behind.size(), 1U);
-  EXPECT_EQ(borders.behind[0].beside, box.cells);
+  const LevelSeam seam = cut.seams()[1];  // cells from 40 to 44 along y
+  const Box3 fine{{33, 33, 33}, {44, 42, 44}};
+  for (const double way : {1.0, -1.0}) {
+    const SeamBoxes boxes = seamBoxes(seam, {}, fine, kShown, {true, {1, way, 1}});
+    ASSERT_TRUE(boxes.joined && boxes.beyond);
+    EXPECT_TRUE(boxes.joined->joins);
+    EXPECT_FALSE(boxes.beyond->joins);
+    EXPECT_EQ(boxes.joined->cells, (Box3{{33, 40, 33}, {44, 42, 44}}));
+    EXPECT_EQ(boxes.beyond->cells, (Box3{{33, 42, 33}, {44, 44, 44}}));
+    EXPECT_EQ(boxes.joined->beside, fine) << "the layer of the finer block";
+    EXPECT_EQ(boxes.beyond->beside, fine);
+    EXPECT_EQ(boxes.is_before, way < 0);
+  }
+  const SeamBoxes all = seamBoxes(seam, {}, seam.cells, kShown, {true, {1, 1, 1}});
+  EXPECT_FALSE(all.beyond);
+  const SeamBoxes none =
+      seamBoxes(seam, {}, {{33, 33, 33}, {44, 39, 44}}, kShown, {true, {1, 1, 1}});
+  EXPECT_FALSE(none.joined);
+}
+
+TEST(LevelFades, boxesAreCutWhereSeamsBeginFrontToBack) {
+  const Box3 cells{{33, 33, 33}, {44, 44, 44}};
+  const std::vector<Box3> seams = {{{42, 33, 33}, {44, 44, 44}}, {{33, 40, 33}, {44, 44, 44}}};
+  for (const Vec3d way : {Vec3d{1, 1, 1}, {-1, 1, 0.3}, {1, -1, -1}}) {
+    int64_t count = 0;
+    std::vector<SeamPart> parts = partsAtSeams(cells, seams, {true, way});
+    for (size_t i = 0; i < parts.size(); ++i) {
+      const SeamPart& part = parts[i];
+      count += part.cells.count();
+      for (size_t seam = 0; seam < seams.size(); ++seam) {
+        const Box3 both = intersect(part.cells, seams[seam]);
+        const bool has = std::ranges::find(part.seams, seam) != part.seams.end();
+        EXPECT_EQ(both, has ? part.cells : Box3()) << i;
+      }
+      // No part before this one lies behind it.
+      for (size_t before = 0; before < i; ++before) {
+        EXPECT_TRUE(intersect(parts[before].cells, part.cells).empty());
+        bool may_come_first = false;
+        for (int a = 0; a < 3; ++a)
+          may_come_first =
+              may_come_first || (way[a] >= 0 ? parts[before].cells.hi[a] <= part.cells.lo[a]
+                                             : parts[before].cells.lo[a] >= part.cells.hi[a]);
+        EXPECT_TRUE(may_come_first) << before << " before " << i;
+      }
+    }
+    EXPECT_EQ(count, cells.count());
+    EXPECT_EQ(parts.size(), 4U);
+  }
+}
+
+// The finer block's cluster has the texels of its coarser neighbours, which are no blocks of their
+// own.
+TEST(LevelFades, aPlanHasTheTexelsOfSeamsWithTheFinerBlock) {
+  Cut cut = cutOfThree();
+  VisibleBlocks visible;
+  visible.seams = cut.seams();
+  visible.blocks = cut.blocks;
+  visible.cut.emplace().levels.resize(3);
+  visible.cut->levels.back().level = 2;
+  for (const Algorithm algorithm : kAlgorithms) {
+    PlanOptions options;
+    options.algorithm = algorithm;
+    options.crop = kShown;
+    const PageGeometry page{{16, 16, 16}, 1, 4};
+    const TexturePlan plan = planTextures(cut.pyramid, visible, page, options);
+    ASSERT_EQ(plan.blocks.size(), 5U);
+    EXPECT_EQ(plan.seamsOf(BlockPosition(int64_t{0})), 2);
+    EXPECT_EQ(plan.seamsOf(BlockPosition(int64_t{3})), 0);
+    for (const int64_t i : {1, 2}) {
+      const TextureBlock& block = plan.blocks[BlockPosition(i)];
+      const LevelSeam& seam = visible.seams[static_cast<size_t>(i - 1)];
+      EXPECT_EQ(block.name, seam.coarse);
+      EXPECT_EQ(block.cells, seam.cells);
+      EXPECT_EQ(block.cluster, plan.blocks[BlockPosition(int64_t{0})].cluster);
+      const Box3 needed = cut.pyramid.of(seam.coarse).voxelsUnder(seam.cells);
+      EXPECT_EQ(intersect(needed, block.voxels), needed);
+      const auto& chunks = plan.clusters[block.cluster].chunks;
+      EXPECT_NE(std::ranges::find(chunks, block.chunk), chunks.end());
+    }
+    for (const Cluster& cluster : plan.clusters)
+      for (const BlockPosition block : cluster.blocks) EXPECT_FALSE(plan.blocks[block].isOfSeam());
+    EXPECT_THROW(planTextures(cut.pyramid, visible, {{16, 16, 16}, 1, 2}, options), Error);
+  }
 }
 
 TEST(LevelFades, theCoarserBlockReachesTheSeam) {

@@ -7,11 +7,11 @@
 #include <optional>
 
 #include "src/base/error.h"
+#include "src/device/boxes_together.h"
 #include "src/device/pictures/depth_code.h"
 #include "tests/support/plain_lighting.h"
 #include "tests/support/plain_rays.h"
 #include "tests/support/plain_sampling.h"
-#include "tests/support/plain_surfaces.h"
 
 namespace sluice {
 void PlainDevice::makeResident(uint64_t id, ChunkTexelsPtr texels) {
@@ -63,25 +63,24 @@ void PlainDevice::draw(std::span<const BoxDraw> boxes) {
 }
 
 void PlainDevice::drawNow() {
-  for (const BoxDraw& box : std::exchange(put_off_, {})) {
+  const std::vector<BoxDraw> boxes = std::exchange(put_off_, {});
+  for (size_t i = 0; i < boxes.size();) {
     stop_.throwIfStopped();
-    drawBox(box);
+    const size_t count = countTogether(std::span(boxes).subspan(i));
+    drawBox(boxes[i], std::span(boxes).subspan(i + 1, count - 1));
+    i += count;
   }
 }
 
-void PlainDevice::drawBox(const BoxDraw& box) {
+void PlainDevice::drawBox(const BoxDraw& box, std::span<const BoxDraw> joined) {
+  joined_ = joined;
   const ChunkTexels& chunk = *resident_.at(box.chunk);
   eachPixelOf(box.cells, setup_, [&](int x, int y) {
     Pixel& pixel = at(x, y);
     if (!pixel.is_stopped) take(plainRayOf(setup_, x, y), box, chunk, pixel);
   });
+  joined_ = {};
 }
-
-// A sample of opacities that a ray takes, and what it blends of it.
-struct PlainDevice::Sample {
-  Vec3d rgb;
-  double opacity = 0, depth = 0;
-};
 
 void PlainDevice::blend(const Sample& sample, Pixel& pixel) const {
   const double weight = (1 - pixel.opacity) * sample.opacity;
@@ -89,42 +88,6 @@ void PlainDevice::blend(const Sample& sample, Pixel& pixel) const {
   pixel.rgb = pixel.rgb + sample.rgb * (weight * (1 - dark));
   pixel.depth_sum += weight * sample.depth;
   pixel.opacity += weight;
-}
-
-// The share of a surface of this opacity at an index position.
-static double shareAt(const LevelFade& fade, Vec3d at, double opacity) {
-  double share = 1;
-  for (size_t i = 0; i < fade.slope.size() && opacity < 1; ++i) {
-    const int axis = static_cast<int>(i) % 3;
-    share *= std::clamp(fade.start[i] + fade.slope[i] * at[axis], 0.0, 1.0);
-  }
-  return share;
-}
-
-// The surfaces that the ray meets from half a slice before slice k to half a slice behind it, and
-// between them the parts of the sample there.
-void PlainDevice::blendSurfaces(const PlainRay& ray, const BoxDraw& box, const ChunkTexels& chunk,
-                                double k, const Sample& sample, Pixel& pixel) const {
-  const auto partOf = [](Sample of, double part) {
-    of.opacity = 1 - std::pow(1 - of.opacity, part);
-    return of;
-  };
-  double from = 0;
-  for (const PlainSurface& surface : surfacesBetween(
-           setup_, box.texels, chunk, [&](double part) { return ray.at(k - 0.5 + part); })) {
-    if (box.beside && (surface.level.opacity < 1) != box.fade.has_value()) continue;
-    blend(partOf(sample, surface.part - from), pixel);
-    from = surface.part;
-    const Vec3d rgb = setup_.lit ? litPlainly(setup_, ray.at(k - 0.5 + surface.part),
-                                              surface.level.rgb, {surface.gradient}, 0)
-                                 : surface.level.rgb;
-    const double share =
-        box.fade ? shareAt(*box.fade, ray.at(k - 0.5 + surface.part), surface.level.opacity) : 1;
-    blend({rgb, 1 - std::pow(1 - surface.level.opacity, share),
-           setup_.first_depth + (k + ray.jitter + from) * setup_.depth_step},
-          pixel);
-  }
-  blend(partOf(sample, 1 - from), pixel);
 }
 
 // Modes other than composite: takes a sample's value at slice k.

@@ -60,12 +60,17 @@ class PlainDevice : public Device {
     int64_t count = 0;
     bool is_stopped = false;
   };
-  struct Sample;
+  // A sample of opacities that a ray takes, and what it blends of it.
+  struct Sample {
+    Vec3d rgb;
+    double opacity = 0, depth = 0;
+  };
 
   // From 0 to 1, see depthCode().
   double placeOfDepth(double depth) const;
   void drawNow();
-  void drawBox(const BoxDraw& box);
+  // `joined`: the boxes that join it.
+  void drawBox(const BoxDraw& box, std::span<const BoxDraw> joined);
   void take(const PlainRay& ray, const BoxDraw& box, const ChunkTexels& chunk, Pixel& pixel);
   void takeValue(const PlainRay& ray, double value, double k, Pixel& pixel) const;
   void blend(const Sample& sample, Pixel& pixel) const;
@@ -84,6 +89,7 @@ class PlainDevice : public Device {
   StopToken stop_;
   std::vector<Pixel> pixels_;  // rows upwards
   std::vector<BoxDraw> put_off_;
+  std::span<const BoxDraw> joined_;  // of the box that is drawn
 };
 
 // A chunk of these bytes, x fastest.

@@ -55,6 +55,8 @@ struct Sample {
 // See surfaces.inl.
 struct Stretch;
 struct SliceColor;
+struct AllMet;
+struct JoinedWay;
 
 // The way of a packet through a box.
 template <DeviceType kType, Shading kShading>
@@ -209,21 +211,55 @@ struct Passage {
   }
 
   // The same with surfaces; surfaces.inl has these.
-  void goBySurfaces(V k, V end, bool leaps, Pixels& pixels);
+  void goBySurfaces(V k, V end, bool leaps, Pixels& pixels, JoinedWay* joined, int joined_count);
   V sharedEndAt(V k, const Cells& stored) const;
+  void addJoined(JoinedWay& way, V k, M within, AllMet& met) const;
+  template <Shading kJoined>
+  void addSurfacesOf(JoinedWay& way, V k, M within, AllMet& met) const;
+  void addMet(V k, M meets, const Stretch& stretch, const Cells& stored, AllMet& met) const;
   SliceColor sliceAt(V k, V end, M within) const;
   bool blendWhole(V k, V end, M within, Pixels& pixels);
   bool blendParts(V k, V end, M within, M meets, const Stretch& stretch, const Cells& stored,
-                  Pixels& pixels);
+                  AllMet& met, Pixels& pixels);
 };
 
 #include "src/cpu/kernels/surfaces.inl"
 
-// The box for one packet. `going`: pixels that take samples.
+// The positions of the boxes that join a box, in a tile.
+using JoinedPositions = std::array<Positions, kMostJoined>;
+
+// Sets the packet's ways through the boxes that join `box`, which they follow in the list. Returns
+// how many it meets.
+HWY_INLINE int joinedWays(const KernelFrame& frame, const KernelBox& box,
+                          const JoinedPositions& positions, const Packet& packet, const V3& step,
+                          M going, JoinedWay* ways) {
+  int count = 0;
+  for (uint32_t i = 0; i < box.joined; ++i) {
+    const KernelBox& other = (&box)[1 + i];
+    const Slices slices = slicesIn(frame, other, packet, step);
+    if (hn::AllFalse(F(), hn::And(going, hn::Gt(slices.count, hn::Zero(F()))))) continue;
+    const V3 pace = texelsAlong(other, step);
+    const float farther = box.first_slice - other.first_slice;
+    const V from = hn::Sub(slices.from, all(farther));
+    ways[count++] = {
+        &other,
+        fartherBy(packet.jitter, pace, texelsAt(other, voxelsOf(positions[i], packet))),
+        pace,
+        from,
+        hn::Add(from, slices.count),
+        farther,
+        hn::Zero(F()),
+        false};
+  }
+  return count;
+}
+
+// The box for one packet. `going`: pixels that take samples. `joined`: positions of the boxes that
+// join it.
 template <DeviceType kType, Shading kShading>
 HWY_INLINE void drawPacket(const KernelFrame& frame, const KernelBox& box,
-                           const Positions& positions, const Packet& packet, M going,
-                           Pixels& pixels) {
+                           const Positions& positions, const JoinedPositions& joined,
+                           const Packet& packet, M going, Pixels& pixels) {
   const V3 step = stepOf(frame, packet);
   const Slices slices = slicesIn(frame, box, packet, step);
   const M meets = hn::And(going, hn::Gt(slices.count, hn::Zero(F())));
@@ -244,9 +280,13 @@ HWY_INLINE void drawPacket(const KernelFrame& frame, const KernelBox& box,
                                    step,
                                    placeOriginOf(frame, packet, step)};
   const V end = hn::Add(slices.from, slices.count);
-  if constexpr (hasSurfaces(kShading))
-    passage.goBySurfaces(slices.from, end, box.distances != nullptr, pixels);
-  else if constexpr (isIntegrated(kShading))
+  if constexpr (hasSurfaces(kShading)) {
+    std::array<JoinedWay, kMostJoined> ways;
+    const int count = joinedWays(frame, box, joined, packet, step, meets, ways.data());
+    // Bricks of this box that show nothing may hold surfaces of the others.
+    passage.goBySurfaces(slices.from, end, box.distances != nullptr && count == 0, pixels,
+                         ways.data(), count);
+  } else if constexpr (isIntegrated(kShading))
     passage.goBySegments(slices.from, end, box.distances != nullptr, pixels);
   else
     passage.go(slices.from, end, box.distances != nullptr, pixels);
@@ -256,6 +296,9 @@ template <DeviceType kType, Shading kShading>
 HWY_NOINLINE void drawBox(const KernelFrame& frame, const KernelBox& box, TilePixels& tile) {
   const auto [x_lo, y_lo, x_hi, y_hi] = packetsOf(box, tile);
   const Positions positions = positionsIn(box, tile);
+  JoinedPositions joined;
+  if constexpr (hasSurfaces(kShading))
+    for (uint32_t i = 0; i < box.joined; ++i) joined[i] = positionsIn((&box)[1 + i], tile);
   for (int y = y_lo; y < y_hi; y += kPacketHeight)
     for (int x = x_lo; x < x_hi; x += kPacketWidth) {
       const int at = (y / kPacketHeight * (kTileSide / kPacketWidth) + x / kPacketWidth) * kLanes;
@@ -264,7 +307,7 @@ HWY_NOINLINE void drawBox(const KernelFrame& frame, const KernelBox& box, TilePi
       const M going = goingOf(frame, tile, at, opacity);
       if (hn::AllFalse(F(), going)) continue;
       Pixels pixels = loadPixels(frame, tile, at);
-      drawPacket<kType, kShading>(frame, box, positions, packetAt(frame, tile, x, y), going,
+      drawPacket<kType, kShading>(frame, box, positions, joined, packetAt(frame, tile, x, y), going,
                                   pixels);
       storePixels(frame, pixels, tile, at);
     }

@@ -116,6 +116,7 @@ struct KernelFrame {
 };
 
 inline constexpr float kInside = 1e30F;
+inline constexpr size_t kMostJoined = 6;  // a face of a block each
 
 // A box of cells with the texels around them: at least two along each axis. Coordinates of voxels
 // count from the box's lower corner, along the volume's axes; coordinates of texels count from the
@@ -165,8 +166,9 @@ struct KernelBox {
   // BoxDraw::fade: factors start + slope * texel coordinate, two along each of the chunk's axes.
   bool fades = false;
   std::array<Float3, 2> fade_start{}, fade_slope{};
-  // Blended channels: the box's, and the number of boxes behind this one in the list that join it,
-  // whose pixels count with this one's.
+  // Blended channels: the box's. And the number of boxes behind this one in the list that join it,
+  // whose pixels count with this one's: of other channels, or of seams (BoxDraw::joins), of which a
+  // box has kMostJoined at most.
   uint32_t channel = 0, joined = 0;
   // Pixels that may see the box, [lo, hi).
   int x_lo = 0, y_lo = 0, x_hi = 0, y_hi = 0;

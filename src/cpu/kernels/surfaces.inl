@@ -131,6 +131,50 @@ struct SliceColor {
   M shows;
 };
 
+// A surface that rays meet in a slice.
+struct Met {
+  V part;  // of the slice's way up to there; beyond the end for rays that do not meet it
+  V hit;   // of all bits for those that do
+  Color color;
+};
+// Those of a slice: of the box, and of the boxes that join it.
+struct AllMet {
+  int count = 0;
+  std::array<Met, kMostSurfaces * (1 + kMostJoined)> of;
+
+  // Puts those that each ray meets first in front.
+  HWY_NOINLINE void sort() {
+    for (int i = 1; i < count; ++i)
+      for (int j = i; j > 0; --j) {
+        Met &a = of[static_cast<size_t>(j - 1)], &b = of[static_cast<size_t>(j)];
+        const M turns = hn::Lt(b.part, a.part);
+        if (hn::AllFalse(F(), turns)) break;
+        const auto exchange = [turns](V& first, V& second) {
+          const V before = first;
+          first = hn::IfThenElse(turns, second, first);
+          second = hn::IfThenElse(turns, before, second);
+        };
+        exchange(a.part, b.part);
+        exchange(a.hit, b.hit);
+        exchange(a.color.r, b.color.r);
+        exchange(a.color.g, b.color.g);
+        exchange(a.color.b, b.color.b);
+        exchange(a.color.a, b.color.a);
+      }
+  }
+};
+
+// The way of a packet through a box that joins another one. Slices count as those of that one do.
+struct JoinedWay {
+  const KernelBox* box;
+  V3 first, pace;
+  V from, end;    // slices in the box
+  float farther;  // from slices of the other box to those of this one
+  // The value at the end of the last slice, if it is known.
+  V front;
+  bool has_front;
+};
+
 // The value half a slice before slice k of the box: neighbouring boxes find the same at the place
 // that they share, see FrameSetup::has_surfaces.
 template <DeviceType kType, Shading kShading>
@@ -149,14 +193,26 @@ HWY_INLINE V Passage<kType, kShading>::sharedEndAt(V k, const Cells& stored) con
       box, placeAt(stored, clamped(stored, texelsAt(box, voxels))));
 }
 
+// The rays of `within` that may meet a surface between these values.
+template <DeviceType kType>
+HWY_INLINE M meetingAmong(const KernelFrame& frame, M within, const Stretch& stretch) {
+  M numbers = within;
+  // A stretch with an end that is no number meets no surface.
+  if constexpr (kType == DeviceType::kF32)
+    numbers = hn::AndNot(isNoNumber(hn::Min(stretch.front, stretch.back)), within);
+  return hn::And(numbers, meetsAny(frame, stretch));
+}
+
 // Slices [k, end), each with the surfaces on its way.
 template <DeviceType kType, Shading kShading>
-HWY_INLINE void Passage<kType, kShading>::goBySurfaces(V k, V end, bool leaps, Pixels& pixels) {
+HWY_INLINE void Passage<kType, kShading>::goBySurfaces(V k, V end, bool leaps, Pixels& pixels,
+                                                     JoinedWay* joined, int joined_count) {
   const BrickWay way = leaps ? brickWay(box, first, pace) : noBrickWay();
   const Cells stored = storedCells(box);
   const V one = all(1.0F);
   V front = k;
   bool has_front = false;
+  AllMet met;
   for (;;) {
     bool leapt = false;
     const int turns = turnsFrom(k, end, way, leaps, leapt);
@@ -168,15 +224,72 @@ HWY_INLINE void Passage<kType, kShading>::goBySurfaces(V k, V end, bool leaps, P
       const Stretch stretch{front, back};
       front = back;
       const M within = taking(hn::Lt(k, end), pixels);
-      M numbers = within;
-      // A stretch with an end that is no number meets no surface.
-      if constexpr (kType == DeviceType::kF32)
-        numbers = hn::AndNot(isNoNumber(hn::Min(stretch.front, back)), within);
-      const M meets = hn::And(numbers, meetsAny(frame, stretch));
-      if (hn::AllFalse(F(), meets) ? !blendWhole(k, end, within, pixels)
-                                   : !blendParts(k, end, within, meets, stretch, stored, pixels))
+      const M meets = meetingAmong<kType>(frame, within, stretch);
+      met.count = 0;
+      for (int i = 0; i < joined_count; ++i) addJoined(joined[i], k, within, met);
+      if (hn::AllFalse(F(), meets) && met.count == 0
+              ? !blendWhole(k, end, within, pixels)
+              : !blendParts(k, end, within, meets, stretch, stored, met, pixels))
         return;
     }
+  }
+}
+
+// Adds the surfaces of a box that joins this one, as rays of `within` meet them in slice k.
+template <DeviceType kType, Shading kShading>
+HWY_NOINLINE void Passage<kType, kShading>::addJoined(JoinedWay& way, V k, M within,
+                                                    AllMet& met) const {
+  if (way.box->has_spread)
+    addSurfacesOf<Shading::kSpreadSurfaces>(way, k, within, met);
+  else
+    addSurfacesOf<Shading::kSurfaces>(way, k, within, met);
+}
+template <DeviceType kType, Shading kShading>
+template <Shading kJoined>
+HWY_INLINE void Passage<kType, kShading>::addSurfacesOf(JoinedWay& way, V k, M within,
+                                                      AllMet& met) const {
+  const M in_box = hn::And(within, hn::And(hn::Ge(k, way.from), hn::Lt(k, way.end)));
+  if (hn::AllFalse(F(), in_box)) {
+    way.has_front = false;
+    return;
+  }
+  // Opaque surfaces have no share.
+  const KernelFrame& clear = *frame.beside_clear;
+  const V none = hn::Zero(F());
+  const Passage<kType, kJoined> passage{clear, *way.box, way.first, way.pace,     none,
+                                        ray_length, cellsOf(*way.box), true, none, in_box,
+                                        step, place_origin};
+  const Cells stored = storedCells(*way.box);
+  const V slice = hn::Add(k, all(way.farther));
+  const V front = way.has_front ? way.front : passage.sharedEndAt(slice, stored);
+  way.front = passage.sharedEndAt(hn::Add(slice, all(1.0F)), stored);
+  way.has_front = true;
+  const Stretch stretch{front, way.front};
+  const M meets = meetingAmong<kType>(clear, in_box, stretch);
+  if (!hn::AllFalse(F(), meets)) passage.addMet(slice, meets, stretch, stored, met);
+}
+
+// Adds the surfaces that the rays of `meets` meet in slice k.
+template <DeviceType kType, Shading kShading>
+HWY_NOINLINE void Passage<kType, kShading>::addMet(V k, M meets, const Stretch& stretch,
+                                                 const Cells& stored, AllMet& met) const {
+  const V near_end = hn::Sub(k, all(0.5F));
+  const M up = hn::Gt(stretch.back, stretch.front);
+  const auto placeAlong = [&](V part) { return placeOf(hn::Add(near_end, part), stored); };
+  V from = hn::Zero(F()), value = stretch.front;
+  for (int n = 0; n < frame.surfaces; ++n) {
+    const MetSurface surface = surfaceOf(frame, up, n);
+    const M hit = hn::And(meets, meetsLevel(stretch, surface.level));
+    if (hn::AllFalse(F(), hit)) continue;
+    const V part =
+        crossing<kType, kShading>(box, stored, placeAlong,
+                        {surface.level, from, value, stretch.back, hn::VecFromMask(F(), up)});
+    met.of[static_cast<size_t>(met.count++)] = {
+        hn::IfThenElse(hit, part, all(2.0F)), hn::VecFromMask(F(), hit),
+        surfaceColor<kType, kShading>(frame, box, stored, placeAlong(part), surface)};
+    // The next surface is met behind this one.
+    from = hn::IfThenElse(hit, part, from);
+    value = hn::IfThenElse(hit, surface.level, value);
   }
 }
 
@@ -201,33 +314,28 @@ HWY_INLINE bool Passage<kType, kShading>::blendWhole(V k, V end, M within, Pixel
   const SliceColor slice = sliceAt(k, end, within);
   return hn::AllFalse(F(), slice.shows) || add(slice.color, slice.shows, k, pixels);
 }
-// Slice k in parts, with the surfaces that the rays of `meets` meet between them.
+// Slice k in parts, with the surfaces that rays meet between them: those of the box, which the rays
+// of `meets` meet, in addition to those of `met`.
 template <DeviceType kType, Shading kShading>
 HWY_NOINLINE bool Passage<kType, kShading>::blendParts(V k, V end, M within, M meets,
                                                      const Stretch& stretch, const Cells& stored,
-                                                     Pixels& pixels) {
+                                                     AllMet& met, Pixels& pixels) {
   const V none = hn::Zero(F()), one = all(1.0F), near_end = hn::Sub(k, all(0.5F));
   const SliceColor slice = frame.has_opacities
                           ? sliceAt(k, end, within)
                           : SliceColor{{none, none, none, none}, hn::MaskFromVec(none)};
-  const M up = hn::Gt(stretch.back, stretch.front);
-  const auto placeAlong = [&](V part) { return placeOf(hn::Add(near_end, part), stored); };
-  V from = none, value = stretch.front;
+  const bool has_others = met.count > 0;
+  addMet(k, meets, stretch, stored, met);
+  if (has_others) met.sort();
+  V from = none;
   bool goes = true;
-  for (int n = 0; n < frame.surfaces; ++n) {
-    const MetSurface surface = surfaceOf(frame, up, n);
-    const M hit = hn::And(meets, meetsLevel(stretch, surface.level));
-    if (hn::AllFalse(F(), hit)) continue;
-    const V part =
-        crossing<kType, kShading>(box, stored, placeAlong,
-                        {surface.level, from, value, stretch.back, hn::VecFromMask(F(), up)});
+  for (int i = 0; i < met.count; ++i) {
+    const Met& surface = met.of[static_cast<size_t>(i)];
+    const M hit = hn::MaskFromVec(surface.hit);
     if (!hn::AllFalse(F(), slice.shows))
-      add(partOf(slice.color, hn::Sub(part, from)), hn::And(slice.shows, hit), k, pixels);
-    const Color color = surfaceColor<kType, kShading>(frame, box, stored, placeAlong(part), surface);
-    goes = add(color, hit, hn::Add(near_end, part), pixels);
-    // The next surface is met behind this one.
-    from = hn::IfThenElse(hit, part, from);
-    value = hn::IfThenElse(hit, surface.level, value);
+      add(partOf(slice.color, hn::Sub(surface.part, from)), hn::And(slice.shows, hit), k, pixels);
+    goes = add(surface.color, hit, hn::Add(near_end, surface.part), pixels);
+    from = hn::IfThenElse(hit, surface.part, from);
   }
   if (!hn::AllFalse(F(), slice.shows))
     goes = add(partOf(slice.color, hn::Sub(one, from)), slice.shows, k, pixels);

@@ -151,6 +151,7 @@ void readBox(int at) {
 
 const char* const kVertexText = R"(
 void main() {
+  // A box that others join is drawn alone.
   int at = gl_InstanceID * 13;
   readView();
   readBox(at);

@@ -158,11 +158,6 @@ vec4 segmentColor(SumsAt front, SumsAt back) {
 #if SHININESS == 0
 uniform float shininess;
 #endif
-#if LIGHT_VOLUME
-uniform sampler3D light;  // LightVolume
-uniform float key_share;
-#endif
-
 vec2 shine(vec2 x) {
 #if SHININESS > 0
   // Software GL takes long over a logarithm.

@@ -31,6 +31,8 @@ vec3 placeAt(int k) { return textureOrder(corner + voxelAt(k) * TEXEL_SCALE) * t
 
 const char* const kLightPlaceText = R"(
 #if LIGHT_VOLUME
+uniform sampler3D light;  // LightVolume
+uniform float key_share;
 // These turn an index position, from the rays' common origin, into a place in the light volume.
 uniform vec3 light_scale, light_offset;
 vec3 light_first, light_along;
@@ -133,6 +135,9 @@ void main() {
   vec2 pixel = gl_FragCoord.xy + vec2(0.0, first_row);
   Ray ray = rayAt(pixel);
   enter(pixel, ray);
+#if JOINED > 0
+  ENTER_JOINED
+#endif
   enterLight(pixel, ray);
   enterSamples();
   beginSum(ray);

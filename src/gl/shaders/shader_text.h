@@ -34,7 +34,10 @@ extern const char* const kLightPlaceText;  // lightAt(ray, slice): a place in th
 extern const char* const kSampleText;      // Sample; sampleAt(...): the sample of one value
 extern const char* const kValuesText;      // each is of one value
 extern const char* const kSegmentsText;    // each is of the values between two places
+extern const char* const kSurfaceText;     // where a surface lies, and its colour
 extern const char* const kSurfacesText;    // each may have surfaces, which combine() blends with it
+// The surfaces of a box that joins another one, mayMeetIn(k) and addMet(k, ray).
+extern const char* const kJoinedText;
 
 // These say how a pixel combines its samples, by beginSum(ray) and combine(sample, k, ray).
 extern const char* const kBlendText;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -41,6 +42,7 @@ Definitions numbersOf(const ShaderVariant& v) {
           {"SURFACES", v.surfaces},
           {"HAS_OPACITIES", v.has_opacities},
           {"FADES", v.fades},
+          {"JOINED", v.joined},
           {"LIGHT_VOLUME", v.light_volume},
           {"CUES_DEPTH", v.cues_depth},
           {"JITTERS", v.jitters},
@@ -91,18 +93,56 @@ constexpr const char* kOfChannels[] = {
     "roughOf",       "mayShow",         "mayShowBetween",   "voxelLengths",
     "storedAt",      "WideSlopes",      "edge_parts",       "least_parts",
     "leastOf",       "greatestOf",      "texelLength"};
+// Those of a box with surfaces, beyond these, that a shader has once for each box that joins one.
+constexpr const char* kOfJoined[] = {
+    "addMet",      "box_corner",   "crossing",       "endAt",         "fade_slope", "fade_start",
+    "fadedAt",     "mayMeet",      "mayMeetIn",      "meetsLevel",    "partOf",     "place_origin",
+    "sharedEndAt", "surfaceColor", "surface_colors", "surface_levels"};
+
+// A text with the definitions of a variant and with names of its own.
+std::string ownText(const ShaderVariant& variant, size_t number, const std::string& of) {
+  std::string text = undefined(), after;
+  text += definitions(variant) + "#undef TEXEL_SCALE\n#undef LABEL_ROW\n";
+  for (const std::span<const char* const> names :
+       {std::span<const char* const>(kOfChannels), std::span<const char* const>(kOfJoined)})
+    for (const char* name : names) {
+      text += fmt::format("#define {0} {0}_{1}\n", name, number);
+      after += fmt::format("#undef {}\n", name);
+    }
+  return text + of + after;
+}
 
 // The text of one channel: the same as that of a single one, with names of its own.
 std::string channelText(const ShaderVariant& variant, size_t channel) {
-  std::string text = undefined(), after;
-  // Each channel's text is compiled with its own definitions.
-  text += definitions(variant) + "#undef TEXEL_SCALE\n#undef LABEL_ROW\n";
-  for (const char* name : kOfChannels) {
-    text += fmt::format("#define {0} {0}_{1}\n", name, channel);
-    after += fmt::format("#undef {}\n", name);
+  return ownText(variant, channel,
+                 std::string(kBoxInputsText) + kReadBoxText + kIntervalText + kWayText +
+                     kTexelText + kColorText + kLabelText + kShownColorText + kChannelText);
+}
+
+// The texts of the boxes that join the variant's: nothing if none does. Behind them the variant's
+// own definitions hold again.
+std::string joinedText(const ShaderVariant& variant) {
+  if (variant.joined == 0) return "";
+  std::string text = fmt::format(
+      "float met_part[{0}];\nvec4 met_color[{0}];\nint met_count;\n"
+      "#undef FLAT\n#define FLAT\n",
+      variant.surfaces + variant.joined * variant.joined_surfaces);
+  std::string enter, add, may = "false";
+  for (int i = 0; i < variant.joined; ++i) {
+    text += ownText(joinedVariant(variant, i), static_cast<size_t>(i),
+                    std::string(kBoxInputsText) + kReadBoxText + kIntervalText + kWayText +
+                        kTexelText + kColorText + kSurfaceText + kJoinedText);
+    enter +=
+        fmt::format("readBox_{0}({1}); enterBox_{0}(pixel, ray); ", i, kTexelsPerBox * (i + 1));
+    add += fmt::format("addMet_{}(k, ray); ", i);
+    may += fmt::format(" || mayMeetIn_{}(k)", i);
   }
-  return text + kBoxInputsText + kReadBoxText + kIntervalText + kWayText + kTexelText + kColorText +
-         kLabelText + kShownColorText + kChannelText + after;
+  text += undefined() + definitions(variant) + "#undef TEXEL_SCALE\n#define TEXEL_SCALE " +
+          (variant.scaled ? "texel_scale\n" : "vec3(1.0)\n");
+  return text + fmt::format(
+                    "#define ENTER_JOINED {}\n#define ADD_JOINED {}\n"
+                    "#define MAY_MEET_JOINED {}\n",
+                    enter, add, may);
 }
 
 std::string placesText(const ShaderVariant& variant) {
@@ -110,8 +150,8 @@ std::string placesText(const ShaderVariant& variant) {
                         : std::string(kIntervalText) + kWayText + kSliceSamplesText;
 }
 
-const char* samplesText(const ShaderVariant& variant) {
-  if (variant.surfaces > 0) return kSurfacesText;
+std::string samplesText(const ShaderVariant& variant) {
+  if (variant.surfaces > 0) return std::string(kSurfaceText) + kSurfacesText;
   return variant.integrates ? kSegmentsText : kValuesText;
 }
 
@@ -134,12 +174,24 @@ const char* combiningText(const ShaderVariant& variant) {
 }
 
 std::string samplingText(const ShaderVariant& variant) {
-  return std::string(kTexelText) + kColorText + kLabelText + kShownColorText + kSumText +
-         kLightPlaceText + kSampleText + samplesText(variant) + combiningText(variant) +
-         kSampleMainText;
+  return std::string(kLightPlaceText) + kTexelText + kColorText + kLabelText + kShownColorText +
+         kSumText + kSampleText + joinedText(variant) + samplesText(variant) +
+         combiningText(variant) + kSampleMainText;
 }
 
 }  // namespace
+
+ShaderVariant joinedVariant(const ShaderVariant& of, int number) {
+  ShaderVariant variant = of;
+  variant.joined = variant.joined_spreads = variant.joined_surfaces = 0;
+  variant.surfaces = of.joined_surfaces;
+  variant.drawn_surfaces = DrawnSurfaces::kClear;
+  variant.has_opacities = false;
+  variant.fades = variant.scaled = true;
+  variant.spread = (of.joined_spreads >> number & 1) != 0;
+  variant.rough_first = false;
+  return variant;
+}
 
 std::string vertexShader(const ShaderVariant& variant) {
   return kVersion + definitions(variant) + "#define FLAT flat out\n" + kViewInputsText +

@@ -39,7 +39,10 @@ struct ShaderVariant {
   int surfaces = 0;           // how many surfaces there are, see FrameSetup
   bool has_opacities = true;  // with surfaces: the look-up shows something else, too
   DrawnSurfaces drawn_surfaces = DrawnSurfaces::kAll;
-  bool fades = false;         // with surfaces: see BoxDraw::fade
+  bool fades = false;  // with surfaces: see BoxDraw::fade
+  // With surfaces: how many boxes join each one, which of them have spreads, by bits, and how many
+  // surfaces they draw. Their uniforms end in "_0", "_1", ...
+  int joined = 0, joined_spreads = 0, joined_surfaces = 0;
   bool light_volume = false;  // lit: light arrives as FrameSetup::light has it
   bool cues_depth = false;    // far colours are darkened, see FrameSetup::depth_cueing
   bool jitters = false;       // slices are moved along the ray, see FrameSetup::jitter
@@ -48,6 +51,9 @@ struct ShaderVariant {
   bool rough_first = false;   // fetches: only if the hardware's value may show something
   friend auto operator<=>(const ShaderVariant&, const ShaderVariant&) = default;
 };
+
+// The variant of a box that joins another one, which has `of`.
+ShaderVariant joinedVariant(const ShaderVariant& of, int number);
 
 // Boxes come as kTexelsPerBox RGBA32F texels each of a buffer texture; see box_buffer.h.
 std::string vertexShader(const ShaderVariant& variant);

@@ -210,6 +210,15 @@ ShaderVariant besideVariant(const FrameSetup& setup, ShaderVariant of_box, const
   return of_box;
 }
 
+ShaderVariant withJoined(const FrameSetup& setup, ShaderVariant of_box,
+                         const std::vector<bool>& have_spreads) {
+  of_box.joined = static_cast<int>(have_spreads.size());
+  of_box.joined_surfaces = static_cast<int>(surfacesOf(setup, DrawnSurfaces::kClear).size());
+  for (size_t i = 0; i < have_spreads.size(); ++i)
+    of_box.joined_spreads |= have_spreads[i] ? 1 << i : 0;
+  return of_box;
+}
+
 ShaderVariant viewVariant(const ShaderVariant& variant) {
   return {.perspective = variant.perspective,
           .with_depth = variant.with_depth,

@@ -2,7 +2,7 @@
 
 namespace sluice {
 
-const char* const kSurfacesText = R"(
+const char* const kSurfaceText = R"(
 uniform float surface_levels[SURFACES];  // texel values, ascending
 uniform vec4 surface_colors[SURFACES];   // premultiplied
 uniform vec3 place_origin;    // of the rays' common origin, from placeBase()
@@ -98,6 +98,39 @@ vec4 surfaceColor(vec3 at, float level, vec4 color, vec3 light_at) {
 #endif
 }
 
+)";
+
+// Once for each box that joins, see joinedText().
+const char* const kJoinedText = R"(
+bool mayMeetIn(int k) {
+  vec3 at = first + float(k - first_k) * along;
+  return k >= range.x && k < range.y && mayMeet(endAt(at - 0.5 * along), endAt(at + 0.5 * along));
+}
+
+void addMet(int k, Ray ray) {
+  // A loop, since software GL skips no `if`.
+  for (bool again = mayMeetIn(k); again; again = false) {
+    float h = float(k - first_k) - 0.5;
+    float front = sharedEndAt(ray.origin, ray.step, float(k));
+    float back = sharedEndAt(ray.origin, ray.step, float(k + 1));
+    bool up = back > front;
+    float from = 0.0, value_from = front;
+    for (int n = 0; n < SURFACES; ++n) {
+      int i = up ? n : SURFACES - 1 - n;
+      float level = surface_levels[i];
+      for (bool meets = meetsLevel(front, back, level); meets; meets = false) {
+        from = crossing(first, along, h, level, from, value_from, back, up);
+        met_part[met_count] = from;
+        met_color[met_count++] = surfaceColor(first + (h + from) * along, level, surface_colors[i],
+                                              lightAt(ray, float(k) - 0.5 + from));
+        value_from = level;
+      }
+    }
+  }
+}
+)";
+
+const char* const kSurfacesText = R"(
 // The values at the ends of a slice's way, as endAt() has them.
 float near_end, far_end;
 
@@ -115,6 +148,9 @@ Sample nextSample(inout int k, Ray ray) {
     both = texelAt(at);
     if (mayMeet(near_end, far_end) || (HAS_OPACITIES == 1 && mayShow(both)) || k + 1 == range.y)
       break;
+#if JOINED > 0
+    if (MAY_MEET_JOINED) break;
+#endif
   }
 #if HAS_OPACITIES
   return sampleAt(at, both, k, ray);
@@ -125,6 +161,48 @@ Sample nextSample(inout int k, Ray ray) {
 
 void beginSum(Ray ray) { beginSumWith(vec4(0.0)); }
 
+#if JOINED > 0
+// The slice is blended in parts, with a surface behind each but the last: those of this box and of
+// the boxes that join it, in the order in which the ray meets them.
+void combine(Sample next, int k, Ray ray) {
+  float slice = float(k) + ray.jitter, from = 0.0;
+  met_count = 0;
+  for (bool again = mayMeet(near_end, far_end); again; again = false) {
+    float h = float(k - first_k) - 0.5;
+    float front = sharedEndAt(ray.origin, ray.step, float(k));
+    float back = sharedEndAt(ray.origin, ray.step, float(k + 1));
+    bool up = back > front;
+    float at = 0.0, value_from = front;
+    for (int n = 0; n < SURFACES; ++n) {
+      int i = up ? n : SURFACES - 1 - n;
+      float level = surface_levels[i];
+      for (bool meets = meetsLevel(front, back, level); meets; meets = false) {
+        at = crossing(first, along, h, level, at, value_from, back, up);
+        met_part[met_count] = at;
+        met_color[met_count++] = surfaceColor(first + (h + at) * along, level, surface_colors[i],
+                                              lightAt(ray, float(k) - 0.5 + at));
+        value_from = level;
+      }
+    }
+  }
+  ADD_JOINED
+  for (int i = 1; i < met_count; ++i)
+    for (int j = i; j > 0 && met_part[j] < met_part[j - 1]; --j) {
+      float part = met_part[j];
+      vec4 color = met_color[j];
+      met_part[j] = met_part[j - 1];
+      met_color[j] = met_color[j - 1];
+      met_part[j - 1] = part;
+      met_color[j - 1] = color;
+    }
+  for (int i = 0; i < met_count; ++i) {
+    blend(partOf(next.color, met_part[i] - from), slice);
+    blend(met_color[i], slice - 0.5 + met_part[i]);
+    from = met_part[i];
+  }
+  blend(partOf(next.color, 1.0 - from), slice);
+}
+#else
 // The slice is blended in parts, with a surface behind each but the last.
 void combine(Sample next, int k, Ray ray) {
   float slice = float(k) + ray.jitter, from = 0.0;
@@ -151,6 +229,7 @@ void combine(Sample next, int k, Ray ray) {
   }
   blend(partOf(next.color, 1.0 - from), slice);
 }
+#endif
 )";
 
 }  // namespace sluice

@@ -13,7 +13,8 @@ DrawOrder makeDrawOrder(const TexturePlan& plan, const EyePosition& eye, Arrange
   }
   if (arrangement == Arrangement::kWhole && !order.visits.empty()) {
     std::vector<BlockPosition> all;
-    for (const BlockPosition block : plan.blocks.indices()) all.push_back(block);
+    for (const BlockPosition block : plan.blocks.indices())
+      if (!plan.blocks[block].isOfSeam()) all.push_back(block);
     order.visits.back().blocks = layerOrder(plan, all, eye);
     order.visits.back().draws = true;
   }

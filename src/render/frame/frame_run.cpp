@@ -160,17 +160,10 @@ void FrameRun::drawBlock(BlockPosition position) {
     report_.stages.boxes += watch.seconds();
   }
   if (boxes == nullptr) {  // the object box holds whatever its boxes would show
-    LevelBorders borders;
-    if (hasBorders(block)) {
-      const Box3& shown = values_.setup.shown;
-      const EyePosition& eye = values_.order->eye;
-      borders = levelBorders(textures().pyramid, block, box, shown, eye);
-      fades_.addBorders(block.name, box, shown, eye, borders);
-      box.fade = fades_.within(block.name);
-    }
-    for (const BoxDraw& before : borders.before) drawBox(block.chunk, before);
-    drawBox(block.chunk, box);
-    for (const BoxDraw& behind : borders.behind) drawBox(block.chunk, behind);
+    if (hasBorders(block))
+      drawWithBorders(position, box);
+    else
+      drawBox(block.chunk, box);
     return;
   }
   const Vec3i first = values_.boxes->firstCell(position);
@@ -183,7 +176,40 @@ void FrameRun::drawBlock(BlockPosition position) {
   });
 }
 
-void FrameRun::drawBox(ChunkPosition chunk, BoxDraw box) {
+void FrameRun::drawWithBorders(BlockPosition position, BoxDraw box) {
+  const TextureBlock& block = textures().blocks[position];
+  const Box3& shown = values_.setup.shown;
+  const EyePosition& eye = values_.order->eye;
+  const LevelBorders borders = levelBorders(textures().pyramid, block, box, shown, eye);
+  std::vector<SeamBox> joined, before, behind;
+  for (int64_t i = 1; i <= textures().seamsOf(position); ++i) {
+    const TextureBlock& coarse = textures().blocks[BlockPosition(position.value() + i)];
+    // It may be hidden, or missing at a time limit.
+    if (!residency_.isResident(values_.plan->names[coarse.chunk])) continue;
+    const LevelSeam& seam = fades_.seam(static_cast<size_t>(coarse.seam));
+    BoxDraw rest = boxDraw(textures(), coarse);
+    rest.fade = fades_.rest(seam);
+    const SeamBoxes boxes = seamBoxes(seam, rest, box.cells, shown, eye);
+    if (boxes.joined) joined.push_back({coarse.chunk, *boxes.joined});
+    if (boxes.beyond) (boxes.is_before ? before : behind).push_back({coarse.chunk, *boxes.beyond});
+  }
+  for (const auto& [chunk, beyond] : before) drawBox(chunk, beyond);
+  for (const BoxDraw& each : borders.before) drawBox(block.chunk, each);
+  std::vector<Box3> seams;
+  for (const SeamBox& each : joined) seams.push_back(each.box.cells);
+  for (const SeamPart& part : partsAtSeams(box.cells, seams, eye)) {
+    BoxDraw of_part = box;
+    of_part.cells = part.cells;
+    if (!part.seams.empty()) of_part.fade = fades_.within(block.name);
+    std::vector<SeamBox> with;
+    for (const size_t seam : part.seams) with.push_back(joined[seam]);
+    drawBox(block.chunk, of_part, with);
+  }
+  for (const BoxDraw& each : borders.behind) drawBox(block.chunk, each);
+  for (const auto& [chunk, beyond] : behind) drawBox(chunk, beyond);
+}
+
+void FrameRun::drawBox(ChunkPosition chunk, BoxDraw box, std::span<const SeamBox> joined) {
   if (occlusion_) {
     const std::optional<Box3> visible = occlusion_->visible(box.cells);
     if (!visible) return;
@@ -197,6 +223,15 @@ void FrameRun::drawBox(ChunkPosition chunk, BoxDraw box) {
     ++report_.binds;
   }
   pending_.push_back(box);
+  for (const auto& [of_chunk, rest] : joined) {
+    BoxDraw part = rest;
+    part.cells = intersect(rest.cells, box.cells);
+    if (part.cells.empty()) continue;
+    part.chunk = residency_.idOf(values_.plan->names[of_chunk]);
+    if (occlusion_) shown_[of_chunk] = true;
+    ++report_.binds;
+    pending_.push_back(part);
+  }
   // After the box is in the list, so that the map sees it.
   if (occlusion_ && occlusion_->isUpdateDue()) updateOpacityMap();
 }

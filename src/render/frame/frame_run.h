@@ -13,6 +13,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "cache/trace/trace.h"
@@ -101,8 +102,14 @@ class FrameRun {
   bool hasBorders(const TextureBlock& block) const;
   // The block's cells with its borders, see level_borders.h.
   Box3 reachOf(const TextureBlock& block) const;
-  // Draws the box, or its part that is not hidden, with the boxes around it.
-  void drawBox(ChunkPosition chunk, BoxDraw box);
+  // Draws the block's object box where it meets other levels, with the boxes around it.
+  void drawWithBorders(BlockPosition position, BoxDraw box);
+  struct SeamBox {
+    ChunkPosition chunk;
+    BoxDraw box;
+  };
+  // Draws the box, or its part that is not hidden, with the boxes that join it there.
+  void drawBox(ChunkPosition chunk, BoxDraw box, std::span<const SeamBox> joined = {});
   void flushBoxes();
   void updateOpacityMap();
   void gatherCounters();
