@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <optional>
 #include <string>
 #include <vector>
@@ -28,7 +29,7 @@ class KeepThin : public testing::Test {
   // The picture's channels, premultiplied. nullopt: the machine lacks the device.
   std::optional<std::vector<double>> drawn(const std::string& options) const {
     const CommandResult result =
-        program_.run("render parts.zarr -o a.png --force -q --keep-thin " + options);
+        program_.run("render " + volume_ + " -o a.png --force -q --keep-thin " + options);
     if (result.output.find("has no such instructions") != std::string::npos ||
         (result.status != 0 && options.find("--device gl") != std::string::npos))
       return std::nullopt;
@@ -53,6 +54,7 @@ class KeepThin : public testing::Test {
     EXPECT_LE(greatest, most);
   }
   const Program program_;
+  std::string volume_ = "parts.zarr";
 };
 
 // Most rays of a surface are opaque but for rounding, and differ in colour.
@@ -61,6 +63,29 @@ TEST_F(KeepThin, showsTheSameOfOpaqueRaysWhateverRoundsThem) {
   for (const char* others : {"--simd plain", "--simd sse4", "--simd avx2",
                              "--algorithm conventional", "--page 8x8x8", kGl})
     expectAlike(opaque + "--block 16", others, 1.01);
+}
+
+// Rays touch the surface of noise everywhere, and each pixel keeps the brightest of many rays.
+TEST_F(KeepThin, findsSurfacesOfNoiseWithAllInstructions) {
+  constexpr int64_t kSide = 96;
+  std::vector<char> voxels;
+  for (int64_t i = 0; i < kSide * kSide * kSide; ++i) {
+    uint32_t noise = static_cast<uint32_t>(i) * 2654435761U + 12345U;
+    noise ^= noise >> 15;
+    noise *= 2246822519U;
+    noise ^= noise >> 13;
+    const int64_t x = i % kSide - 47, y = i / kSide % kSide - 46, z = i / (kSide * kSide) - 48;
+    const int64_t ball = std::max<int64_t>(0, 1600 - x * x - y * y - z * z) / 10;
+    voxels.push_back(static_cast<char>(std::min<int64_t>(3 + ball - (noise >> 8 & 1), 255)));
+  }
+  std::ofstream(program_.folder / "noise.raw", std::ios::binary)
+      .write(voxels.data(), static_cast<std::streamsize>(voxels.size()));
+  const CommandResult packed =
+      program_.run("pack noise.raw --dims 96,96,96 --type u8 -o noise.zarr --chunk 16 --levels 3");
+  ASSERT_EQ(packed.status, 0) << packed.output;
+  volume_ = "noise.zarr";
+  for (const char* others : {"--simd sse4", "--simd plain"})
+    expectAlike("--iso 3 --block 16 --size 121", others, 1.01);
 }
 
 // OpenGL looks for the pixels of a box in clip space, which is shifted together with the rays.

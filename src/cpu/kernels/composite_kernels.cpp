@@ -37,6 +37,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 #include "src/cpu/kernels/segments.inl"
 #include "src/cpu/kernels/sample_colors.inl"
 #include "src/cpu/kernels/pixels.inl"
+#include "src/cpu/kernels/slice_places.inl"
 // clang-format on
 
 // Turns between two looks for bricks to leap over: few, if the last look found some.
@@ -68,9 +69,9 @@ struct Passage {
   V ray_length;
   Cells cells;
   bool clamps;
-  V in_box;               // opacity
-  M going;                // lanes that take samples still
-  V3 step, place_origin;  // with surfaces: in voxels; the ray's start, from placeBase()
+  V in_box;            // opacity
+  M going;             // lanes that take samples still
+  SlicePlaces places;  // with surfaces
 
   HWY_INLINE Sample take(V k, V end) const {
     V3 at{hn::MulAdd(k, pace.x, first.x), hn::MulAdd(k, pace.y, first.y),
@@ -277,8 +278,7 @@ HWY_INLINE void drawPacket(const KernelFrame& frame, const KernelBox& box,
                                    clamps,
                                    hn::Zero(F()),
                                    meets,
-                                   step,
-                                   placeOriginOf(frame, packet, step)};
+                                   slicePlacesOf(frame, packet)};
   const V end = hn::Add(slices.from, slices.count);
   if constexpr (hasSurfaces(kShading)) {
     std::array<JoinedWay, kMostJoined> ways;

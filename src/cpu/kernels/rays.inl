@@ -146,13 +146,6 @@ HWY_INLINE V3 fartherBy(V part, const V3& way, const V3& place) {
           hn::MulAdd(part, way.z, place.z)};
 }
 
-// The place from which a ray's slices count, in voxels from placeBase().
-HWY_INLINE V3 placeOriginOf(const KernelFrame& frame, const Packet& packet, const V3& step) {
-  return fartherBy(packet.jitter, step,
-                   planesAt(frame.place_origin, frame.origin_dx, frame.origin_dy, packet.px,
-                            packet.py));
-}
-
 // The step kept away from 0, so that one may divide by it.
 HWY_INLINE V safe(V step) {
   return hn::IfThenElse(hn::Lt(hn::Abs(step), all(1e-12F)), all(1e-12F), step);

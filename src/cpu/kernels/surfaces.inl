@@ -184,11 +184,11 @@ HWY_INLINE V Passage<kType, kShading>::sharedEndAt(V k, const Cells& stored) con
   const auto localAt = [&](size_t axis, V origin, V step) {
     // Rounded to a grid that both boxes share, so that both find the same place, whatever their
     // corner.
-    const V place = hn::Round(hn::Mul(hn::MulAdd(turn, step, origin), grid));
+    const V place = hn::Round(hn::Mul(roundedMulAdd(turn, step, origin), grid));
     return hn::Sub(hn::Mul(place, cell), all(box.corner[axis]));
   };
-  const V3 voxels{localAt(0, place_origin.x, step.x), localAt(1, place_origin.y, step.y),
-                  localAt(2, place_origin.z, step.z)};
+  const auto& [from, way] = places;
+  const V3 voxels{localAt(0, from.x, way.x), localAt(1, from.y, way.y), localAt(2, from.z, way.z)};
   return surfaceValueAt<kType, kShading>(
       box, placeAt(stored, clamped(stored, texelsAt(box, voxels))));
 }
@@ -258,7 +258,7 @@ HWY_INLINE void Passage<kType, kShading>::addSurfacesOf(JoinedWay& way, V k, M w
   const V none = hn::Zero(F());
   const Passage<kType, kJoined> passage{clear, *way.box, way.first, way.pace,     none,
                                         ray_length, cellsOf(*way.box), true, none, in_box,
-                                        step, place_origin};
+                                        places};
   const Cells stored = storedCells(*way.box);
   const V slice = hn::Add(k, all(way.farther));
   const V front = way.has_front ? way.front : passage.sharedEndAt(slice, stored);
