@@ -53,8 +53,7 @@ void GlDevice::drawJoined(std::span<const BoxDraw> boxes) {
     }
     program.set("chunk_texel_size", Vec3d{1, 1, 1} / toDouble(chunks[i]->storage_vox));
     setFade(boxes[i], program);
-    gl_.ActiveTexture(GL_TEXTURE0 +
-                      (i == 0 ? kOwnUnit : kJoinedUnit + static_cast<GLenum>(i) - 1));
+    gl_.ActiveTexture(GL_TEXTURE0 + (i == 0 ? kOwnUnit : kJoinedUnit + static_cast<GLenum>(i) - 1));
     gl_.BindTexture(GL_TEXTURE_3D, chunks[i]->texture);
   }
   program.ofAll();

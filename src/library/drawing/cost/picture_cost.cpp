@@ -98,6 +98,7 @@ void addReads(const ForecastInputs& inputs, uint64_t held_chunk_bytes, Forecast&
   const bool is_store = dynamic_cast<StoredSource*>(&source) != nullptr;
   std::vector<LevelBox> boxes;
   const auto add = [&](const TextureBlock& block) {
+    if (block.isOfSeam()) return;  // its voxels are those of a block that counts
     const BlockName& name = block.name;
     ++forecast.blocks;
     forecast.voxel_bytes += decodedBytes(layout, type, name);
