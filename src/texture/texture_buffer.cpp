@@ -133,25 +133,36 @@ TextureBuffer::BatchPtr TextureBuffer::tryBegin(const TexturePlan& plan, const C
   return batch;
 }
 
+template <class Job>
+bool TextureBuffer::startWorker(Job job) {
+  {
+    // Counted before it is submitted, so that waitUntilIdle() also waits for a worker still in the
+    // pool's queue.
+    const MutexLock lock(chunks_.mutex);
+    ++workers_under_way_;
+  }
+  try {
+    pool_.submit([this, job = std::move(job)] {
+      job();
+      helperIsDone();
+    });
+    return true;
+  } catch (const std::bad_alloc&) {
+    helperIsDone();
+    return false;
+  }
+}
+
 void TextureBuffer::startHelpers(const BatchPtr& batch) {
   const auto helpers = std::min<int64_t>(pool_.threads(), static_cast<int64_t>(batch->runs.size()));
-  for (int64_t i = 0; i < helpers; ++i) {
-    {
-      // Counted before it is submitted, so that waitUntilIdle() also waits for a helper still in
-      // the pool's queue.
-      const MutexLock lock(chunks_.mutex);
-      ++workers_under_way_;
-    }
-    try {
-      pool_.submit([this, batch] {
-        work(*batch);
-        helperIsDone();
-      });
-    } catch (const std::bad_alloc&) {  // finish() does without
-      helperIsDone();
-      return;
-    }
-  }
+  for (int64_t i = 0; i < helpers; ++i)
+    if (!startWorker([this, batch] { work(*batch); })) return;  // finish() does without
+}
+
+void TextureBuffer::makeReady(uint64_t bytes) {
+  if (bytes == 0) return;
+  // Without memory for the job the next frame waits for the system.
+  startWorker([this, bytes] { memory_->makeReady(std::min(bytes, kMostReadyBytes)); });
 }
 
 void TextureBuffer::helperIsDone() {

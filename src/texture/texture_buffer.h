@@ -70,6 +70,11 @@ class TextureBuffer {
   std::vector<ChunkTexelsPtr> acquire(const TexturePlan& plan, const ChunkNameList& names,
                                       std::span<const ChunkPosition> chunks);
 
+  // Makes memory ready for about `bytes` of new texels, on a worker thread: for when a frame is
+  // done and nobody waits. At most kMostReadyBytes, and none beyond the budget.
+  void makeReady(uint64_t bytes);
+  static constexpr uint64_t kMostReadyBytes = uint64_t{64} << 20;
+
   CacheCounters counters() const { return chunks_.counters(); }
   void resetCounters() { chunks_.resetCounters(); }
 
@@ -98,6 +103,9 @@ class TextureBuffer {
 
   void planRuns(Batch& batch, std::vector<Filling> fillings, std::vector<BlockName> soon) const;
   void startHelpers(const BatchPtr& batch);
+  // On a worker thread; false, and nothing started, for want of memory.
+  template <class Job>
+  bool startWorker(Job job);
   void helperIsDone();
   void work(Batch& batch);
   void fill(Batch& batch, const ReadRun& run);

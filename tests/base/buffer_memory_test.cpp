@@ -53,6 +53,18 @@ TEST(BufferMemory, idleMemoryGoesBackWhereItWouldBeTooMuch) {
   EXPECT_EQ(residentBytes(at, 256 * kKiB), 0U);
 }
 
+TEST(BufferMemory, readyMemoryIsThereBeforeItIsTaken) {
+  const auto memory = BufferMemory::make(kMiB);
+  const std::byte* const first = memory->take(256 * kKiB).get();  // idle, and never written to
+  memory->makeReady(512 * kKiB);
+  EXPECT_EQ(memory->heldBytes(), 512 * kKiB) << "idle memory counts";
+  const auto piece = memory->take(512 * kKiB);
+  EXPECT_EQ(piece.get(), first);
+  EXPECT_EQ(residentBytes(first + 256 * kKiB, 256 * kKiB), 256 * kKiB);
+  memory->makeReady(600 * kKiB);
+  EXPECT_EQ(memory->heldBytes(), 512 * kKiB) << "beyond the limit none is made ready";
+}
+
 TEST(BufferMemory, aLowerLimitTakesIdleMemoryAtOnce) {
   const auto memory = BufferMemory::make(kMiB);
   auto kept = memory->take(256 * kKiB);

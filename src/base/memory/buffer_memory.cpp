@@ -55,6 +55,12 @@ BufferMemory::Extents::Part BufferMemory::Extents::takeLast(uint64_t most) {
   return part;
 }
 
+uint64_t BufferMemory::Extents::bytes() const {
+  uint64_t sum = 0;
+  for (const auto& [at, length] : lengths_) sum += length;
+  return sum;
+}
+
 std::shared_ptr<BufferMemory> BufferMemory::make(uint64_t limit_bytes) {
   return std::shared_ptr<BufferMemory>(new BufferMemory(limit_bytes));
 }
@@ -98,6 +104,24 @@ std::optional<uint64_t> BufferMemory::takeExtent(uint64_t length) {
   const std::optional<uint64_t> at = empty_.take(length);
   if (at) held_bytes_ += length;
   return at;
+}
+
+void BufferMemory::makeReady(uint64_t bytes) {
+  std::optional<uint64_t> at;
+  uint64_t length = 0;
+  {
+    const MutexLock lock(mutex_);
+    const uint64_t idle = idle_.bytes();
+    if (idle >= bytes) return;
+    length = roundedUp(bytes - idle);
+    if (held_bytes_ + length > limit_bytes_) return;
+    at = empty_.take(length);
+    if (!at) return;
+    held_bytes_ += length;
+  }
+  // Without the lock: others take pieces meanwhile.
+  for (uint64_t page = 0; page < length; page += kPage) begin_[*at + page] = std::byte{0};
+  giveBack(*at, length);
 }
 
 void BufferMemory::makeRoom(uint64_t length) {

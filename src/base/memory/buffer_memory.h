@@ -35,6 +35,10 @@ class BufferMemory : public std::enable_shared_from_this<BufferMemory> {
   // Its contents are arbitrary. Throws std::bad_alloc.
   Piece take(size_t bytes);
 
+  // Makes sure that idle memory for pieces of so many bytes together is there, if the limit allows
+  // it: the next piece then need not wait for the system. Called while nobody waits.
+  void makeReady(uint64_t bytes);
+
   // Applies from now on: for an owner that keeps bytes of another kind in the same budget.
   void setLimit(uint64_t limit_bytes);
 
@@ -54,6 +58,7 @@ class BufferMemory : public std::enable_shared_from_this<BufferMemory> {
     // The end of the last one, of at most this length. Requires: not empty().
     Part takeLast(uint64_t most);
     bool empty() const { return lengths_.empty(); }
+    uint64_t bytes() const;
 
    private:
     std::map<uint64_t, uint64_t> lengths_;

@@ -119,6 +119,7 @@ Frame Session::frame() {
   SLUICE_CHECK(transfer_ != nullptr);
   // Applies to this frame alone, whether it is drawn or throws.
   const std::optional<TimeStep> afterwards = std::exchange(afterwards_, std::nullopt);
+  const bool is_first = frame_number_ == opened_with_.trace_from.frame;
   const auto asked_at = std::chrono::steady_clock::now();
   const Stopwatch watch;
   Stopwatch stage;
@@ -169,6 +170,9 @@ Frame Session::frame() {
   report.decoded_bytes += judged.decoded_bytes;
   report.stages.read += secondsOf(judged.read_ns);
   report.stages.decode += secondsOf(judged.decode_ns);
+  // A look that has just changed often changes again: the system clears the memory for it while
+  // the picture is looked at.
+  if (!is_first) residency_.chunks().makeReady(report.copied_bytes * 3 / 2);
   return frame;
 }
 
