@@ -126,11 +126,11 @@ void CpuDevice::beginFrame(const FrameSetup& setup, const StopToken& stop) {
 }
 
 void CpuDevice::takeLook(const FrameSetup& setup, ChannelLook& look) {
-  if (!look.look_up || look.look_up->key != lookUpKey(setup))
-    look.look_up.emplace(lookUpKey(setup));
   const bool is_one = setup_.others.empty() && !setup_.is_one_of_several;
-  look.tables.emplace(setup, *look.look_up, setup.lit ? light_squares_.texels() : nullptr,
-                      is_one ? FrameTables::Channels::kOne : FrameTables::Channels::kSeveral);
+  const Channels channels = is_one ? Channels::kOne : Channels::kSeveral;
+  if (!look.look_up || look.look_up->channels != channels || look.look_up->key != lookUpKey(setup))
+    look.look_up.emplace(lookUpKey(setup), channels);
+  look.tables.emplace(setup, *look.look_up, setup.lit ? light_squares_.texels() : nullptr);
   if (!leaps_ || look.shown_for == setup.look_up) return;
   ShownValues shown = shownValues(*setup.look_up);
   // Distances depend on the values that show, not on their colours: looks that show the same keep

@@ -20,17 +20,21 @@ constexpr double kMostExponent = 32;
 
 }  // namespace
 
-LookUpTables::LookUpTables(LookUpKey of)
-    : key(std::move(of)), entries(lookUpTexels(key)), visible(visibleValues(*key.look_up)) {
+LookUpTables::LookUpTables(LookUpKey of, Channels of_channels)
+    : key(std::move(of)),
+      channels(of_channels),
+      entries(lookUpTexels(key)),
+      visible(visibleValues(*key.look_up)) {
   if (key.integrates)
     integrated = integratedLook(*key.look_up);
   else if (traitsOf(key.mode).has_colors && !key.look_up->interpolates)
     packed = packedEntries(entries, kMostExponent);
-  if (!packed.entries.empty() && !key.look_up->labels) ramp = colorRamp(entries);
+  if (channels == Channels::kSeveral && !packed.entries.empty() && !key.look_up->labels)
+    ramp = colorRamp(entries);
 }
 
 FrameTables::FrameTables(const FrameSetup& setup, const LookUpTables& look_up,
-                         const uint64_t* light_squares, Channels channels) {
+                         const uint64_t* light_squares) {
   const ModeTraits& traits = traitsOf(setup.mode);
   const bool colors = traits.has_colors;
   frame_.width = setup.size.width;
@@ -52,8 +56,7 @@ FrameTables::FrameTables(const FrameSetup& setup, const LookUpTables& look_up,
   setRays(setup);
   setLookUp(look_up);
   // A ray that ends at a threshold shows where an opacity differs by rounding alone.
-  if (channels == Channels::kSeveral && look_up.ramp && setup.opacity_threshold >= 1)
-    frame_.ramp = &*look_up.ramp;
+  if (look_up.ramp && setup.opacity_threshold >= 1) frame_.ramp = &*look_up.ramp;
   const auto [window_lo, window_hi] = setup.window;
   frame_.window_lo = static_cast<float>(window_lo);
   frame_.window_scale =

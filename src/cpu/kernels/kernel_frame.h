@@ -14,27 +14,29 @@
 
 namespace sluice {
 
+// Whether a frame shows one channel, or is one of several that are drawn together. The colours of
+// one come from its table alone.
+enum class Channels { kOne, kSeveral };
+
 // The tables of a look-up, which many frames share.
 struct LookUpTables {
-  explicit LookUpTables(LookUpKey of);
+  LookUpTables(LookUpKey of, Channels of_channels);
 
   LookUpKey key;
+  Channels channels;
   std::vector<float> entries;       // see lookUpTexels()
   PackedEntries packed;             // composite that does not interpolate, else without entries
-  std::optional<ColorRamp> ramp;    // of `packed`
+  std::optional<ColorRamp> ramp;    // of `packed`, for frames of several channels
   IntegratedLook integrated;        // pre-integrated frames, else without sums
   std::array<double, 2> visible{};  // visibleValues()
 };
 
 class FrameTables {
  public:
-  // Whether the frame shows one channel, or is one of several that are drawn together. The colours
-  // of one come from its table alone.
-  enum class Channels { kOne, kSeveral };
   // `look_up` and `light_squares` (light_squares.h; null if there are none), the setup's, must
   // outlive it.
   FrameTables(const FrameSetup& setup, const LookUpTables& look_up,
-              const uint64_t* light_squares = nullptr, Channels channels = Channels::kOne);
+              const uint64_t* light_squares = nullptr);
   FrameTables(const FrameTables&) = delete;
   FrameTables& operator=(const FrameTables&) = delete;
 
