@@ -274,7 +274,8 @@ struct PictureKeyword {
 void setSize(PictureOptions& picture, const py::handle& value) {
   constexpr const char* kExpected = "(width, height) or one number for both, each from 1";
   std::array<int, 2> size{};
-  if (py::isinstance<py::int_>(value)) {
+  // NumPy's whole numbers are none of Python's.
+  if (PyIndex_Check(value.ptr()) != 0) {
     size.fill(taken<int>("size", kExpected, value));
   } else {
     size = taken<std::array<int, 2>>("size", kExpected, value);

@@ -165,8 +165,9 @@ class Volume {
       const std::function<std::string(const std::string& name)>& variable);
 
   const VolumeInfo& info() const;
-  // The values of all voxels; for a series that was opened whole, of all its steps. Requires: bins
-  // > 0.
+  // The values of all voxels; for a series that was opened whole, of all its steps. They are known
+  // in up to 4096 intervals. Where a volume has more values, those of an interval count as spread
+  // evenly over it. Requires: bins > 0.
   ValueHistogram histogram(int bins = 256) const;
 
  private:

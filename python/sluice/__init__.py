@@ -214,7 +214,12 @@ class Volume:
         return self._info['value_range']
 
     def histogram(self, bins=256):
-        """How often values occur, as numpy.histogram() gives it: counts, and one more edges."""
+        """How often values occur in bins of equal width: counts, and one more edges.
+
+        The counts come from the index, which has up to 4096 intervals of values. Where a type has more
+        values than that, voxels of an interval count as spread evenly over it: bins may then differ a
+        little from those of numpy.histogram().
+        """
         return self._handle.histogram(_arguments.whole('bins', bins))
 
     def _renderer(self):

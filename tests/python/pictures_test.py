@@ -32,6 +32,7 @@ class Pictures(unittest.TestCase):
             (dict(size=64, opacities={10: 0, 60: 0.1, 255: 0.4}, range=(0, 200), projection='perspective', fov=50),
              ['--size', '64', '--opacities', '10:0,60:0.1,255:0.4', '--range', '0,200', '--projection', 'perspective',
               '--fov', '50']),
+            (dict(size=numpy.int64(64)), ['--size', '64']),
             (dict(size=64, mode='mip', crop=(0, 0, 0, 64, 32, 48), view='left', zoom=1.5),
              ['--size', '64', '--mode', 'mip', '--crop', '0,0,0,64,32,48', '--view', 'left', '--zoom', '1.5']),
             (dict(size=64, threshold=10, modulate=True), ['--size', '64', '--threshold', '10', '--modulate']),
