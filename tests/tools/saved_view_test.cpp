@@ -55,6 +55,21 @@ TEST_F(SavedView, slicesAreLeftOutWithAWarning) {
   EXPECT_THAT(said("plain.json"), testing::Not(HasSubstr("warning")));
 }
 
+TEST_F(SavedView, conflictsOfTheUsersOptionsAloneAreTheUsers) {
+  write("view.json", R"({"sluice": "view", "look": {"range": [0, 200]}})");
+  const CommandResult light =
+      render(std::string(kStateVolume) + " --state view.json --no-shade --shadows -o a.png");
+  EXPECT_EQ(light.status, 2);
+  EXPECT_EQ(light.output, "sluice: --shadows lights the picture; leave out --no-shade\n");
+  // A fit has no effect beside a saved eye, as beside --eye.
+  write("eye.json", R"({"sluice": "view", "camera": {"eye": [0, 0, 90], "target": [0, 0, 0]}})");
+  const std::string fitted = std::string(kStateVolume) + " --state eye.json --fit volume -o a.png ";
+  const CommandResult fit = render(fitted);
+  EXPECT_EQ(fit.status, 2);
+  EXPECT_THAT(fit.output, HasSubstr("sluice: --fit: eye.json has an eye and a target"));
+  EXPECT_EQ(render(fitted + "--azimuth 20").status, 0) << "angles take the eye's place";
+}
+
 // The options of `render` have limits of their own. Values beyond them are no wrong usage.
 TEST_F(SavedView, valuesBeyondAnOptionAreTheFiles) {
   const std::string volume = kStateVolume;

@@ -12,6 +12,7 @@
 #include "src/view/state/printed_command.h"
 #include "src/view/state/view_check.h"
 #include "tools/command_line/interrupt.h"
+#include "tools/command_line/usage.h"
 
 namespace sluice {
 namespace {
@@ -81,6 +82,9 @@ void requireNoConflict(ViewState state, const std::string& file, const std::stri
   // The user's values are judged together with the file's, as the picture will have both.
   for (const OptionEntry* entry : given)
     if (const auto value = entry->get(asked)) entry->set(state, *value);
+  // The file is not to blame for what is wrong without it.
+  if (const auto conflict = conflictIn(asked); conflict && conflict == conflictIn(state))
+    failUsage("{}", *conflict);
   requireNoConflict(state, file, [&](std::string_view option) {
     const auto names = [&](const OptionEntry* entry) {
       return std::ranges::count(optionNames(*entry), option) > 0;
@@ -128,6 +132,9 @@ bool SavedView::isToBlame(const Error& error) const {
 SavedView applyState(CLI::App& app, const std::string& file, const ViewState& asked) {
   StateFile state = readState(file, interruption());
   const std::vector<const OptionEntry*> besides = entriesGiven(app);
+  if (isGiven(app, "--fit") && state.state.view.look_at && !isGivenAny(app, optionsAlike("--eye")))
+    failUsage("--fit: {} has an eye and a target, which say where the camera is; leave out --fit",
+              file);
   requireNoConflict(state.state, file, "", besides, asked);
   for (size_t i = 0; state.path && i < state.path->keys.size(); ++i)
     requireNoConflict(state.path->keys[i].state, file, keyPlace(i), besides, asked);
