@@ -34,10 +34,12 @@ struct Cut {
   PyramidLayout pyramid = pyramidOf();
   std::vector<ObjectBlock> blocks;
 
-  std::vector<LevelSeam> seams(const Box3& crop = kShown) {
+  // `hidden_level`: the picture shows no block of it.
+  std::vector<LevelSeam> seams(const Box3& crop = kShown, int hidden_level = -1) {
     std::ranges::sort(blocks, {}, &ObjectBlock::name);
     setLevelFaces(pyramid, blocks);
-    return takeLevelSeams(pyramid, crop, blocks);
+    return takeLevelSeams(
+        pyramid, crop, [&](const BlockName& name) { return name.level != hidden_level; }, blocks);
   }
 };
 
@@ -67,6 +69,14 @@ TEST(LevelFades, aSeamIsAsWideAsTheCoarserBlocksTexelsReach) {
   EXPECT_EQ(seams[1].face, 4);
   EXPECT_EQ(seams[1].coarse.level, 2);
   EXPECT_EQ(seams[1].cells, (Box3{{33, 40, 33}, {44, 44, 44}}));
+}
+
+// Blocks outside the picture are not refined: a seam with them would show their voxels inside it.
+TEST(LevelFades, blocksOutsideThePictureHaveNoSeams) {
+  Cut cut = cutOfThree();
+  const std::vector<LevelSeam> seams = cut.seams(kShown, 2);
+  ASSERT_EQ(seams.size(), 1U);
+  EXPECT_EQ(seams[0].coarse.level, 1);
 }
 
 TEST(LevelFades, theSharesOfAllBlocksAddUpToOne) {

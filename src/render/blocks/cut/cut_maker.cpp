@@ -107,7 +107,12 @@ class CutMaker {
       setLevelFaces(pyramid_, blocks.blocks);
     if (levels.size() > 1 && std::ranges::any_of(of.question.look->transfer.surfaces,
                                                  [](const auto& each) { return each.opacity < 1; }))
-      blocks.seams = takeLevelSeams(pyramid_, of.question.crop, blocks.blocks);
+      blocks.seams = takeLevelSeams(
+          pyramid_, of.question.crop,
+          [&](const BlockName& name) {
+            return sizes_.of(pyramid_.of(name), pyramid_.regionOf(name)) > 0;
+          },
+          blocks.blocks);
     for (const ObjectBlock& block : blocks.blocks)
       levels[block.name.level].cells += block.cells.count();
     CutSummary summary;

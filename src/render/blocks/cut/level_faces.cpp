@@ -66,6 +66,7 @@ void setLevelFaces(const PyramidLayout& pyramid, std::vector<ObjectBlock>& block
 }
 
 std::vector<LevelSeam> takeLevelSeams(const PyramidLayout& pyramid, const Box3& crop,
+                                      const std::function<bool(const BlockName&)>& is_in_picture,
                                       std::vector<ObjectBlock>& blocks) {
   Positions positions;
   positions.reserve(blocks.size());
@@ -85,7 +86,7 @@ std::vector<LevelSeam> takeLevelSeams(const PyramidLayout& pyramid, const Box3& 
       beyond.hi[axis] = beyond.lo[axis] + 1;
       if (intersect(beyond, crop) != beyond) continue;
       const auto position = coarserAt(pyramid, positions, block.name, beyond.lo);
-      if (!position) continue;
+      if (!position || !is_in_picture(blocks[*position].name)) continue;
       ObjectBlock& coarse = blocks[*position];
       const int64_t reach =
           std::min(reachOf(pyramid, coarse.name, axis, is_upper, plane), region.size()[axis]);

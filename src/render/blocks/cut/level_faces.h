@@ -1,6 +1,7 @@
 // Faces at which blocks of different levels of resolution meet. Pure functions.
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "src/classify/blocks/classification.h"
@@ -13,8 +14,10 @@ void setLevelFaces(const PyramidLayout& pyramid, std::vector<ObjectBlock>& block
 
 // The seams of a cut whose blocks ascend, where the finer block shows something next to the face.
 // They are as wide as the coarser block's texels reach, at most a voxel of its level. Extends the
-// coarser blocks' object boxes to the seams. `crop`: cells that may show.
+// coarser blocks' object boxes to the seams. `crop`: cells that may show. Blocks that the picture
+// does not show stay coarse, and must not fade into what it shows: these have no seams.
 std::vector<LevelSeam> takeLevelSeams(const PyramidLayout& pyramid, const Box3& crop,
+                                      const std::function<bool(const BlockName&)>& is_in_picture,
                                       std::vector<ObjectBlock>& blocks);
 
 }  // namespace sluice
