@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "tests/tools/program.h"
 
@@ -226,6 +227,39 @@ TEST_F(BlendedLevels, withLevelsOfOneAloneTheFinestIsBlended) {
   run("render flat.zarr --over parts.zarr --pixel-error 4 -o flat.png" + look);
   run("render scan.zarr --over parts.zarr --level 0 -o finest.png" + look);
   EXPECT_EQ(picture("flat.png"), picture("finest.png"));
+}
+
+// Labels have shares, which are no spreads of values. They were drawn as such, which a check ended.
+TEST(LevelsOfLabels, areNotDrawnInALookOfValues) {
+  const Program program;
+  const auto picture = [&](const std::string& arguments) {
+    const CommandResult result = program.run(
+        "render --size 16x12 --fit volume --no-shade --block 16 --step 0.5 --force -o a.png " +
+        arguments);
+    EXPECT_EQ(result.status, 0) << arguments << "\n" << result.output;
+    return readFile(program.folder / "a.png");
+  };
+  const std::string phantom = "pack synth:phantom,dims=48x40x36 --chunk 16 --quiet ";
+  for (const char* levels : {"modes.zarr --levels 2 --downsample mode", "flat.zarr --levels none",
+                             "means.zarr --levels 2"})
+    ASSERT_EQ(program.run(phantom + "-o " + levels).status, 0);
+  std::vector<std::string> devices{""};
+  if (program.run("render flat.zarr --size 9x9 -o try.png --device gl --gl osmesa").status == 0)
+    devices.emplace_back(" --device gl --gl osmesa");
+  const std::string first = "synth:shells,dims=48x40x36 --over ";
+  for (const std::string& device : devices)
+    for (const char* options : {"", " --look over:hot", " --pixel-error 4", " --labels",
+                                " --threshold 80 --max-bytes 9000", " --mode mip"}) {
+      SCOPED_TRACE(device + options);
+      const std::string rest = " --combine add" + device + options;
+      EXPECT_EQ(picture(first + "modes.zarr" + rest), picture(first + "flat.zarr" + rest));
+    }
+  // The first volume has levels of means, with which those of labels could be blended.
+  for (const char* options : {"", "--pixel-error 2", "--combine blend", "--level 1"})
+    picture(std::string("means.zarr --over modes.zarr ") + options);
+  EXPECT_THAT(
+      program.run("render means.zarr --over modes.zarr --combine blend --level 1 -o b.png").output,
+      HasSubstr("modes.zarr: its coarser levels hold labels, which are no means"));
 }
 
 }  // namespace

@@ -133,10 +133,9 @@ bool haveLevelAsked(const FrameOptions& options, const std::vector<LayerLook>& l
   return asked == 0 || std::ranges::all_of(layers, [&](const LayerLook& layer) {
            const TimeStep step = layer.volume->step();
            return asked < levelsInCommon(levels, step.layout()) &&
-                  (!layer.transfer->labels ||
-                   std::ranges::all_of(step.coarser, [](const CoarserStep& level) {
-                     return level.valuesShown() == LevelValues::kModes;
-                   }));
+                  std::ranges::all_of(step.coarser, [&](const CoarserStep& level) {
+                    return (level.valuesShown() == LevelValues::kModes) == layer.transfer->labels;
+                  });
          });
 }
 

@@ -66,11 +66,12 @@ bool drawsCut(const TimeStep& step, const std::optional<CutOptions>& cut, Mode m
   const LevelValues wanted = levelValuesFor(mode, has_labels, step.ranges->map.scale);
   // The default is taken silently, so that it is used only if no picture changes by it.
   if (cut->is_default) {
-    // The opening has left out means without spreads.
-    const bool are_wanted = wanted == LevelValues::kMeans ||
-                            std::ranges::all_of(step.coarser, [&](const CoarserStep& level) {
-                              return level.valuesShown() == wanted;
-                            });
+    // The opening may have kept levels for another look: those of labels have shares, which are no
+    // spreads. Levels of an unknown kind are means, and it has left out those that differ too much.
+    const bool are_wanted = std::ranges::all_of(step.coarser, [&](const CoarserStep& level) {
+      const LevelValues shown = level.valuesShown();
+      return shown == wanted || (shown == LevelValues::kUnknown && wanted == LevelValues::kMeans);
+    });
     return !step.coarser.empty() && suitDefaultCut(mode, has_labels) && are_wanted &&
            shows_extremes;
   }
