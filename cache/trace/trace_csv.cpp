@@ -1,4 +1,5 @@
-// libCacheSim's csv, and ours, which has more columns than libCacheSim looks at:
+// libCacheSim's csv, whose line of names, if there is one, tells which columns are read; and ours,
+// which has more columns than libCacheSim looks at:
 //   time,obj_id,obj_size,cluster,pages_of_N_bytes,needed,extended,empty,level,records
 // time is the frame, obj_size the bytes moved; records is empty except in the last line, which has
 // the number of lines there, so that a cut file is noticed. Older files have no level.
@@ -6,6 +7,9 @@
 #include <array>
 #include <cctype>
 #include <span>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "cache/trace/trace_formats.h"
 
@@ -16,26 +20,61 @@ constexpr std::string_view kOurStart = "time,obj_id,obj_size,cluster,pages_of_";
 constexpr std::string_view kOurEnd = "_bytes,needed,extended,empty,level,records";
 constexpr std::string_view kOlderEnd = "_bytes,needed,extended,empty,records";
 
-// A name: letters first, maybe quoted or commented out.
-bool isColumnName(std::string_view field) {
-  while (!field.empty() && (field.front() == ' ' || field.front() == '"' || field.front() == '#'))
-    field.remove_prefix(1);
-  if (field.empty()) return false;
-  const auto first = static_cast<unsigned char>(field.front());
-  return (std::isalpha(first) != 0 || first == '_') &&
-         std::all_of(field.begin(), field.end(),
-                     [](char c) { return std::isprint(static_cast<unsigned char>(c)) != 0; });
+enum class Column { kTime, kId, kSize, kOther };
+
+constexpr std::array<std::string_view, 3> kColumns{"time", "obj_id", "obj_size"};
+
+// The column of a name, as libCacheSim and those who write for it call it.
+Column columnOf(std::string_view name) {
+  constexpr std::pair<std::string_view, Column> kNames[] = {
+      {"time", Column::kTime},        {"timestamp", Column::kTime},
+      {"ts", Column::kTime},          {"clock_time", Column::kTime},
+      {"real_time", Column::kTime},   {"obj_id", Column::kId},
+      {"object_id", Column::kId},     {"object", Column::kId},
+      {"obj", Column::kId},           {"id", Column::kId},
+      {"key", Column::kId},           {"obj_size", Column::kSize},
+      {"object_size", Column::kSize}, {"size", Column::kSize}};
+  for (const auto& [known, column] : kNames)
+    if (name == known) return column;
+  return Column::kOther;
 }
 
-// Three names at least.
-bool isHeader(std::string_view line) {
-  if (line.starts_with("\xef\xbb\xbf")) line.remove_prefix(3);  // a byte order mark
-  for (int field = 0; field < 3; ++field) {
-    const size_t end = std::min(line.find(','), line.size());
-    if (!isColumnName(line.substr(0, end)) || (field < 2 && end == line.size())) return false;
-    line.remove_prefix(std::min(line.size(), end + 1));
+// A column's name, maybe quoted or commented out, in small letters and with one kind of hyphen.
+// Empty if it is none: letters come first.
+std::string nameOf(std::string_view field) {
+  constexpr std::string_view kAround = " \t\"#";
+  const size_t first = field.find_first_not_of(kAround);
+  if (first == std::string_view::npos) return "";
+  std::string name(field.substr(first, field.find_last_not_of(kAround) + 1 - first));
+  const auto begin = static_cast<unsigned char>(name.front());
+  if (std::isalpha(begin) == 0 && begin != '_') return "";
+  for (char& c : name) {
+    if (std::isprint(static_cast<unsigned char>(c)) == 0) return "";
+    c = c == '-' || c == ' ' ? '_' : static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   }
-  return true;
+  return name;
+}
+
+// Skips a field up to its comma or the end. A quoted one may have commas inside.
+void skipField(std::string_view& text) {
+  const size_t quoted = text.starts_with('"') ? text.find('"', 1) : 0;
+  const size_t from = quoted == std::string_view::npos ? 0 : quoted;
+  text.remove_prefix(std::min(text.find(',', from), text.size()));
+}
+
+// The names of a line that has three at least, and nothing else in front of the third; else none.
+std::vector<std::string> namesIn(std::string_view line) {
+  constexpr size_t kLeast = 3;
+  if (line.starts_with("\xef\xbb\xbf")) line.remove_prefix(3);  // a byte order mark
+  std::vector<std::string> names;
+  for (bool is_more = true; is_more; is_more = takeCharacter(line, ',')) {
+    std::string_view rest = line;
+    skipField(rest);
+    names.push_back(nameOf(line.substr(0, line.size() - rest.size())));
+    if (names.back().empty() && names.size() <= kLeast) return {};
+    line = rest;
+  }
+  return names.size() < kLeast ? std::vector<std::string>() : names;
 }
 
 class CsvReader final : public Reader {
@@ -47,7 +86,9 @@ class CsvReader final : public Reader {
     if (!in_.line(line)) return;
     if (line.starts_with(kOurStart)) {
       readOurHeader(line);
-    } else if (!isHeader(line)) {
+    } else if (const std::vector<std::string> names = namesIn(line); !names.empty()) {
+      readNames(names, line);
+    } else {
       first_ = line;
       is_first_ = true;
     }
@@ -85,27 +126,58 @@ class CsvReader final : public Reader {
     carries_clusters_ = true;
   }
 
+  // The columns up to the last one that is read.
+  void readNames(const std::vector<std::string>& names, std::string_view line) {
+    columns_.clear();
+    std::array<int, 3> counts{};
+    size_t last = 0;
+    for (const std::string& name : names) {
+      columns_.push_back(columnOf(name));
+      if (columns_.back() == Column::kOther) continue;
+      ++counts[static_cast<size_t>(columns_.back())];
+      last = columns_.size();
+    }
+    columns_.resize(last);
+    if (counts != std::array{1, 1, 1})
+      fail(
+          "{}:1: expected the columns' names time, obj_id and obj_size once each, in any order, "
+          "found {}; rename the columns",
+          in_.label(), excerpt(line));
+  }
+
+  // The columns that a line must have, for messages.
+  std::string columnNames() const {
+    std::vector<std::string_view> names;
+    for (const Column column : columns_)
+      names.push_back(column == Column::kOther ? "..." : kColumns[static_cast<size_t>(column)]);
+    return fmt::format("{}", fmt::join(names, ","));
+  }
+
   TraceRecord foreign(std::string_view line) {
     std::string_view rest = line;
-    std::array<uint64_t, 3> fields;  // time, id, size
+    std::array<uint64_t, 3> fields{};  // time, id, size
     bool parsed = true;
-    for (size_t i = 0; i < fields.size() && parsed; ++i) {
+    for (size_t i = 0; i < columns_.size() && parsed; ++i) {
       skipSpaces(rest);
-      parsed = takeNumber(rest, fields[i]);
+      const Column column = columns_[i];
+      if (column == Column::kOther)
+        skipField(rest);
+      else
+        parsed = takeNumber(rest, fields[static_cast<size_t>(column)]);
       // Fractions of a second are dropped.
-      if (i == 0 && takeCharacter(rest, '.')) {
+      if (column == Column::kTime && takeCharacter(rest, '.')) {
         uint64_t ignored = 0;
-        parsed = parsed && (takeNumber(rest, ignored) || rest.starts_with(','));
+        parsed = parsed && (takeNumber(rest, ignored) || rest.empty() || rest.starts_with(','));
       }
       skipSpaces(rest);
-      const bool ended = i + 1 == fields.size() && rest.empty();
+      const bool ended = i + 1 == columns_.size() && rest.empty();
       parsed = parsed && (ended || takeCharacter(rest, ','));
     }
-    if (!parsed || fields[2] > kMaxBytes)
-      fail("{}:{}: expected time,obj_id,obj_size as whole numbers{}, found {}", in_.label(),
-           in_.lineNumber(), in_.lineNumber() == 1 ? " or as the columns' names" : "",
-           excerpt(line));
-    return sized(fields[1], fields[2], fields[0],
+    const auto [time, id, size] = fields;
+    if (!parsed || size > kMaxBytes)
+      fail("{}:{}: expected {} as whole numbers{}, found {}", in_.label(), in_.lineNumber(),
+           columnNames(), in_.lineNumber() == 1 ? " or as the columns' names" : "", excerpt(line));
+    return sized(id, size, time,
                  [&] { return fmt::format("{}:{}", in_.label(), in_.lineNumber()); });
   }
 
@@ -129,6 +201,8 @@ class CsvReader final : public Reader {
     return recordOf({v[1], v[4], v[3], v[0], v[2], v[5], v[6], v[7], v[8]}, in_, line);
   }
 
+  // Of a file of others, up to the last one that is read.
+  std::vector<Column> columns_{Column::kTime, Column::kId, Column::kSize};
   std::string_view first_;  // the first line, when it is a record
   bool is_first_ = false;
   bool has_levels_ = false;   // ours, with a level in each line

@@ -53,6 +53,24 @@ TEST_F(TraceFiles, csvIsReadWithAndWithoutHeader) {
   }
 }
 
+// Columns were read by their places, so that sizes became chunks.
+TEST(TraceReaders, takeTheColumnsOfACsvFileByTheirNames) {
+  for (const char* content :
+       {"time,obj_size,obj_id\n1,5000,42\n2,1,43\n", "obj_id,time,obj_size\n42,1,5000\n43,2,1\n",
+        "op,Timestamp,\"what, and why\",SIZE,object id\nget,1.5,\"a,b\",5000,42\nset,2,,1,43,x\n",
+        "\xef\xbb\xbf\"obj-size\",\"key\",\"clock_time\"\r\n5000,42,1.\r\n1,43,2\r\n"}) {
+    SCOPED_TRACE(content);
+    const Trace trace = read(content, TraceFormat::kCsv);
+    ASSERT_EQ(trace.records.size(), 2u);
+    EXPECT_EQ(trace.records[0].chunk, 42u);
+    EXPECT_EQ(trace.records[0].frame, 1u);
+    EXPECT_EQ(trace.records[0].bytes.needed, 5000u);
+    EXPECT_EQ(trace.records[1].chunk, 43u);
+    EXPECT_EQ(trace.records[1].frame, 2u);
+    EXPECT_EQ(trace.records[1].bytes.needed, 1u);
+  }
+}
+
 std::vector<std::string> warningsOf(const std::string& content, TraceFormat format) {
   const auto reader =
       makeTraceReader(std::make_unique<std::istringstream>(content), "t", format, 4096);
@@ -127,6 +145,14 @@ TEST(TraceReaders, rejectBadInputInOneLine) {
       {TraceFormat::kCsv, "x,1,3\n1,2,3\n", "t:1: expected time,obj_id,obj_size"},
       {TraceFormat::kCsv, "1;2;3\n1,2,3\n", "t:1: expected time,obj_id,obj_size"},
       {TraceFormat::kCsv, "time,id\n1,2,3\n", "t:1: expected time,obj_id,obj_size"},
+      {TraceFormat::kCsv, "time,block,length\n1,2,3\n",
+       "t:1: expected the columns' names time, obj_id and obj_size once each, in any order, found "
+       "'time,block,length'"},
+      {TraceFormat::kCsv, "time,obj_id,ttl\n1,2,3\n", "t:1: expected the columns' names"},
+      {TraceFormat::kCsv, "time,obj_id,obj_size,key\n1,2,3,4\n",
+       "found 'time,obj_id,obj_size,key'"},
+      {TraceFormat::kCsv, "time,op,obj_size,obj_id\n1,get,3\n",
+       "t:2: expected time,...,obj_size,obj_id as whole numbers, found '1,get,3'"},
       {TraceFormat::kCsv, "1,2,-3\n", "t:1: expected time,obj_id,obj_size"},
       {TraceFormat::kCsv, "1,18446744073709551616,3\n", "t:1: expected"},
       {TraceFormat::kCsv,
