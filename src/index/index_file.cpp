@@ -81,8 +81,10 @@ struct Verdict {
 Verdict readFile(const std::filesystem::path& path, const IndexKey& key) {
   // Opened without blocking, because the path may be a pipe.
   const Descriptor file(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
-  // A missing file is no reason for a note; anything else is.
-  if (!file && (errno == ENOENT || errno == ENOTDIR)) return {IndexState::kMissing, "", {}};
+  // A missing file is no reason for a note; anything else is. No file has a name that is too long,
+  // as that of an index beside a volume with a long name is.
+  if (!file && (errno == ENOENT || errno == ENOTDIR || errno == ENAMETOOLONG))
+    return {IndexState::kMissing, "", {}};
   const std::optional<uint64_t> size = sizeOf(file);
   if (!size) return {IndexState::kTorn, "not a file that can be read", {}};
   Header header;

@@ -174,6 +174,15 @@ TEST_F(IndexFile, pipesAndFoldersAreNotIndices) {
   EXPECT_EQ(readIndex(places_, key_).state, IndexState::kTorn);
 }
 
+// A volume with a long name has no index beside it, of which a warning told that it cannot be read.
+TEST_F(IndexFile, aNameThatIsTooLongIsMissing) {
+  const IndexPlaces places =
+      indexPlaces((folder_.path() / std::string(250, 'v')).string(), {.folder = folder_.path()});
+  const IndexRead read = readIndex(places, key_);
+  EXPECT_EQ(read.state, IndexState::kMissing);
+  EXPECT_EQ(read.note, "");
+}
+
 TEST_F(IndexFile, hostileLengthsAllocateNothing) {
   const auto path = write(randomBlob(10));
   std::string bytes = readFile(path);
