@@ -362,7 +362,9 @@ const Format& formatOf(const NamedInput& input, const OpenOptions& options) {
   for (const Format& format : formats()) {
     if (isNamed(format, input, options)) return format;
   }
-  fail("{}: unknown kind of file, expected {}", input.name, understood());
+  throw UnknownFormat(
+      fmt::format("{}: unknown kind of file, expected {}", input.name, understood()),
+      Error::Kind::kInput);
 }
 
 void requireTaken(const std::string& name, const Format& format, const OpenOptions& options) {

@@ -10,6 +10,7 @@
 
 #include "io/named_input.h"
 #include "io/open_options.h"
+#include "src/base/error.h"
 #include "src/base/sources/volume_source.h"
 
 namespace sluice {
@@ -41,7 +42,13 @@ struct Format {
 // The table, in the order in which content and names are looked at.
 std::span<const Format> formats();
 
-// The format of what lies at a name. Throws Error: none of them.
+// A file that is of none of the formats.
+class UnknownFormat : public Error {
+ public:
+  using Error::Error;
+};
+
+// The format of what lies at a name. Throws UnknownFormat or, of a store, Error: none of them.
 const Format& formatOf(const NamedInput& input, const OpenOptions& options);
 
 // Throws Error if an option is given that the format does not take, or that makes no sense.

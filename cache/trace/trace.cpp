@@ -102,6 +102,28 @@ std::optional<TraceFormat> formatByName(const std::filesystem::path& path) {
   return std::nullopt;
 }
 
+// .bin, which other files have, too.
+bool mayBeOracleGeneral(const std::filesystem::path& path) {
+  return trace_internal::withoutPackedEnding(path).extension() == ".bin";
+}
+
+// Whether each of the first records names a later request of its chunk, or that there is none.
+bool beginsAsOracleGeneral(const std::filesystem::path& path) {
+  constexpr int64_t kLooksAt = 16, kMostRequests = int64_t{1} << 40;
+  const auto in = trace_internal::openUnpacked(path);
+  std::array<unsigned char, 24> record{};
+  int64_t count = 0;
+  for (; count < kLooksAt; ++count) {
+    in->read(reinterpret_cast<char*>(record.data()), record.size());
+    if (in->gcount() != static_cast<std::streamsize>(record.size())) break;
+    uint64_t next = 0;
+    for (size_t i = 0; i < sizeof next; ++i) next |= uint64_t{record[16 + i]} << (8 * i);
+    const auto request = static_cast<int64_t>(next);
+    if (request != -1 && (request <= count || request > kMostRequests)) return false;
+  }
+  return count > 0;
+}
+
 void refuseWhatIsNoFile(const std::filesystem::path& path) {
   std::error_code none;
   const std::filesystem::file_status status = std::filesystem::status(path, none);
@@ -175,11 +197,11 @@ std::unique_ptr<TraceReader> openTrace(const std::filesystem::path& path,
   refuseWhatIsNoFile(path);
   if (!format) format = formatByContent(path);
   if (!format) format = formatByName(path);
-  if (!format && trace_internal::withoutPackedEnding(path).extension() == ".bin")
-    format = TraceFormat::kOracleGeneral;
+  if (!format && mayBeOracleGeneral(path)) format = TraceFormat::kOracleGeneral;
   if (!format)
     fail(
-        "{}: expected a trace (text, binary, .csv, .oracleGeneral or .din), found neither our "
+        "{}: expected a trace (text, binary, .csv, .oracleGeneral, .bin or .din), found neither "
+        "our "
         "first bytes nor a known extension; name the format",
         path.string());
   std::unique_ptr<TraceReader> companion;
@@ -200,7 +222,8 @@ bool isTraceFile(const std::filesystem::path& path) {
   std::error_code none;
   if (!std::filesystem::is_regular_file(path, none)) return false;
   try {
-    return formatByContent(path).has_value();
+    return formatByContent(path).has_value() ||
+           (mayBeOracleGeneral(path) && beginsAsOracleGeneral(path));
   } catch (const Error&) {
     // No volume is compressed with Zstandard as a whole, so that this is a damaged trace. Others
     // are for a volume's reader to identify.

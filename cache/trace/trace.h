@@ -91,8 +91,9 @@ std::unique_ptr<TraceReader> openTrace(const std::filesystem::path& path,
                                        std::optional<TraceFormat> format = std::nullopt,
                                        uint64_t page_bytes = 4096);
 
-// Whether openTrace() would take a file for a trace, .bin apart: by a foreign format's name, or by
-// our first bytes. A pipe is none, and not waited for.
+// Whether openTrace() would take a file for a trace: by a foreign format's name, or by our first
+// bytes. A .bin is one if it begins as oracleGeneral, since volumes have that name, too. A pipe is
+// none, and not waited for.
 bool isTraceFile(const std::filesystem::path& path);
 
 class TraceWriter {

@@ -215,6 +215,8 @@ TEST(Simulate, refusesWhatItWouldDropOrCannotReplay) {
       << "sluice-trace 1 page_bytes 4096\n1 2147483648 0 0 4096 0 0 0\n";
   ASSERT_EQ(runCommand("mkfifo " + (program.folder / "pipe").string()).status, 0);
   ASSERT_EQ(runCommand("mkdir " + (program.folder / "folder.csv").string()).status, 0);
+  std::ofstream(program.folder / "empty.txt");
+  std::ofstream(program.folder / "what.bin") << "neither a volume nor a trace";
   const std::string small = std::string("simulate ") + kSmall;
   const std::vector<Refused> cases{
       {"simulate a.csv b.csv --export u.bin", 2, "for one trace or page size at a time"},
@@ -243,6 +245,8 @@ TEST(Simulate, refusesWhatItWouldDropOrCannotReplay) {
       {"simulate empty.csv", 1, "empty.csv: the trace is empty: it holds no requests"},
       {"simulate names.csv", 1, "names.csv: the trace is empty: it holds no requests"},
       {"simulate head.txt", 1, "head.txt: the trace is empty: it holds no requests"},
+      {"simulate empty.txt", 1, "nor a trace: text or binary of sluice, .csv, .oracleGeneral"},
+      {"simulate what.bin", 1, "nor a trace: text or binary of sluice, .csv, .oracleGeneral"},
       {"simulate bad.csv", 1, "bad.csv:1: expected time,obj_id,obj_size"},
       {"simulate pipe", 1, "found a pipe"},
       {"simulate pipe --format csv", 1, "found a pipe"},

@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "cache/model/page_geometry.h"
+#include "io/formats.h"
 #include "src/base/error.h"
 #include "src/base/values/bytes.h"
 #include "src/library/drawing/files/channel_traces.h"
@@ -250,6 +251,18 @@ std::vector<SimulationRow> sumOfRuns(std::span<const SimulatedRun> runs) {
   return sums;
 }
 
+// openTurn(), which knows volumes alone.
+Turns openTurns(const TurnArguments& turn, const Outputs& outputs) {
+  try {
+    return openTurn(turn, outputs);
+  } catch (const UnknownFormat& error) {
+    fail(
+        "{}; nor a trace: text or binary of sluice, .csv, .oracleGeneral, .bin or .din, or name "
+        "its --format",
+        error.what());
+  }
+}
+
 }  // namespace
 
 bool SimulateArguments::wantsPage() const {
@@ -293,7 +306,7 @@ std::vector<SimulatedRun> simulateRuns(const SimulateArguments& arguments) {
   for (const std::optional<Vec3i>& size : sizes) {
     TurnArguments turn = arguments.turn;
     if (size) turn.resources.page_vox = *size;
-    const Turns turns = openTurn(turn, outputs);
+    const Turns turns = openTurns(turn, outputs);
     const std::vector<std::string> files = exportFiles(arguments, turns);
     for (size_t i = 0; i < turns.size(); ++i) {
       const ShownChannel* const channel = turns[i]->channel();

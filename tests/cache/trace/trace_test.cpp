@@ -198,6 +198,20 @@ TEST_F(TraceFiles, namesAFileItDoesNotKnow) {
   EXPECT_THROW(openTrace(folder_), Error);
 }
 
+// Volumes end with .bin, too.
+TEST_F(TraceFiles, aBinIsATraceIfItBeginsAsOracleGeneral) {
+  const auto path = write(sample(), TraceFormat::kOracleGeneral, "t.oracleGeneral");
+  std::filesystem::copy_file(path, folder_ / "t.bin");
+  EXPECT_TRUE(isTraceFile(folder_ / "t.bin"));
+  EXPECT_EQ(readAll(*openTrace(folder_ / "t.bin")).records.size(), sample().records.size());
+  std::ofstream(folder_ / "empty.bin");
+  std::ofstream(folder_ / "zeros.bin") << std::string(240, '\0');
+  std::ofstream(folder_ / "voxels.bin") << std::string(240, '\x07');
+  std::ofstream(folder_ / "short.bin") << contentOf(path).substr(0, 23);
+  for (const char* name : {"empty.bin", "zeros.bin", "voxels.bin", "short.bin"})
+    EXPECT_FALSE(isTraceFile(folder_ / name)) << name;
+}
+
 // Whatever the bytes, a reader gives records within its promises or one Error.
 TEST(TraceReaders, surviveRandomBytes) {
   const std::string starts[] = {"sluice-trace 1 page_bytes 4096\n",
