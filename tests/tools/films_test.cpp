@@ -117,9 +117,10 @@ TEST(Films, sayInALineWhatIsMissing) {
 TEST(Films, haveTheirFramesByFfmpegItself) {
   if (!haveProgram("ffmpeg") || !haveProgram("ffprobe")) GTEST_SKIP() << "no ffmpeg here";
   const Program program;
-  ASSERT_EQ(
-      program.run(std::string("render ") + kSmall + " --size 63x41 --frames 7 -o a.mp4 -q").status,
-      0);
+  const CommandResult drawn =
+      program.run(std::string("render ") + kSmall + " --size 63x41 --frames 7 -o a.mp4");
+  ASSERT_EQ(drawn.status, 0);
+  EXPECT_THAT(drawn.output, testing::HasSubstr("a.mp4: the film has 64 x 42 pixels"));
   const CommandResult probed = runCommand(
       "ffprobe -v error -count_frames -show_entries stream=nb_read_frames,width,height -of "
       "csv=p=0 " +

@@ -19,6 +19,7 @@
 #include "tools/options/view_arguments.h"
 #include "tools/options/view_state_option.h"
 #include "tools/outputs/film.h"
+#include "tools/outputs/film_file.h"
 #include "tools/scene/fitted_scene.h"
 #include "tools/scene/rank_agreement.h"
 
@@ -223,6 +224,9 @@ int run(Arguments& arguments, CLI::App& app, Team* team) {
                 scene,     is_first, has_step, began,  std::move(earlier_pictures)};
   job.options = drawingOptions(job);
   job.warnings = warningsOf(job, given, saved);
+  if (isFilmName(arguments.output))
+    if (std::string note = filmSizeNote(arguments.output, arguments.frame.size); !note.empty())
+      job.warnings.push_back(std::move(note));
   if (is_first && !arguments.resources.quiet)
     for (const std::string& line : job.warnings) printWarning(line);
   requireWholePicture(arguments, scene);

@@ -27,6 +27,7 @@
 #include "tools/commands/commands.h"
 #include "tools/commands/render_checks.h"
 #include "tools/options/view_arguments.h"
+#include "tools/outputs/film_file.h"
 #include "tools/scene/empty_pictures.h"
 
 namespace sluice {
@@ -268,6 +269,8 @@ int writeFilm(const RenderArguments& arguments, const CLI::App& app, const Saved
   requireLooks(film, now, renderer, arguments.state_file);
   if (!is_quiet) warnOfJumps(film, now, arguments.state_file);
   std::optional<FilmFile> made;
+  const std::string note = is_one_file ? filmSizeNote(arguments.output, arguments.frame.size) : "";
+  if (!note.empty() && !is_quiet) printWarning(note);
   if (is_one_file)
     made.emplace(
         arguments.output, arguments.frame.size,

@@ -100,6 +100,16 @@ bool isFilmName(const std::filesystem::path& path) {
   return lowerExtension(path) == ".mp4";
 }
 
+std::string filmSizeNote(const std::filesystem::path& path, PictureSize size) {
+  const auto even = [](int64_t side) { return side + side % 2; };
+  if (size.width % 2 == 0 && size.height % 2 == 0) return "";
+  return fmt::format(
+      "{}: the film has {} x {} pixels, since films have even sides; the right column or the "
+      "bottom "
+      "row that --size lacks is black",
+      path.string(), even(size.width), even(size.height));
+}
+
 FilmFile::FilmFile(const std::filesystem::path& path, PictureSize size, double frames_per_second,
                    StopToken stop)
     : path_(path),

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <span>
+#include <string>
 
 #include "src/base/files/atomic_file.h"
 #include "src/base/files/descriptor.h"
@@ -18,6 +19,9 @@ namespace sluice {
 
 // Whether a name ends in .mp4, in any case.
 bool isFilmName(const std::filesystem::path& path);
+
+// The line about a film of this size, which differs from it if a side is odd; empty if it does not.
+std::string filmSizeNote(const std::filesystem::path& path, PictureSize size);
 
 class FilmFile {
  public:
