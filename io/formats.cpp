@@ -359,12 +359,11 @@ const Format& formatOf(const NamedInput& input, const OpenOptions& options) {
         ".zgroup and attributes.json there; name the folder that has it, as in '{}:/FOLDER', or "
         "unpack the file",
         input.store->name(), input.file.string());
-  for (const Format& format : formats()) {
+  for (const Format& format : formats())
     if (isNamed(format, input, options)) return format;
-  }
-  throw UnknownFormat(
-      fmt::format("{}: unknown kind of file, expected {}", input.name, understood()),
-      Error::Kind::kInput);
+  const std::string expected = understood();
+  throw UnknownFormat(fmt::format("{}: unknown kind of file, expected {}", input.name, expected),
+                      Error::Kind::kInput);
 }
 
 void requireTaken(const std::string& name, const Format& format, const OpenOptions& options) {
@@ -386,10 +385,9 @@ void requireTaken(const std::string& name, const Format& format, const OpenOptio
                 options.channel.text(), takers(&Format::Takes::channel));
   if (!options.spacing) return;
   const Vec3d s = *options.spacing;
-  for (int a = 0; a < 3; ++a) {
+  for (int a = 0; a < 3; ++a)
     if (!(s[a] > 0) || !std::isfinite(s[a]))
       fail("{}: spacing {}, {}, {}, expected three positive numbers", name, s.x, s.y, s.z);
-  }
 }
 
 std::vector<std::string> volumeEndings() {

@@ -216,10 +216,8 @@ class Volume:
     def histogram(self, bins=256):
         """How often values occur in bins of equal width: counts, and one more edges.
 
-        The counts come from the index, which has up to 4096 intervals of values. Where a type has more
-        values than that, voxels of an interval count as spread evenly over it: bins may then differ a
-        little from those of numpy.histogram().
-        """
+        Beyond 4096 values, voxels are counted in intervals of values and spread evenly over them: bins
+        then differ from numpy.histogram()."""
         return self._handle.histogram(_arguments.whole('bins', bins))
 
     def _renderer(self):
