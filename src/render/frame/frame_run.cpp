@@ -196,6 +196,7 @@ void FrameRun::drawWithBorders(BlockPosition position, BoxDraw box) {
   for (const auto& [chunk, beyond] : before) drawBox(chunk, beyond);
   for (const BoxDraw& each : borders.before) drawBox(block.chunk, each);
   std::vector<Box3> seams;
+  seams.reserve(joined.size());
   for (const SeamBox& each : joined) seams.push_back(each.box.cells);
   for (const SeamPart& part : partsAtSeams(box.cells, seams, eye)) {
     BoxDraw of_part = box;
