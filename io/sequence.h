@@ -57,7 +57,7 @@ class SequenceSource final : public VolumeSource,
   // Looks from the first file.
   std::span<const StoredLook> channelLooks() const override { return channel_looks_; }
   uint64_t storedBytesRead() const override;
-  // Of the first file.
+  // The first file tells them for all.
   ReadUnits readUnits() const override { return units_; }
   std::optional<StoredReads> storedReads(int64_t time, std::span<const LevelBox> boxes,
                                          uint64_t held_bytes) override;

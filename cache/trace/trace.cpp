@@ -201,8 +201,7 @@ std::unique_ptr<TraceReader> openTrace(const std::filesystem::path& path,
   if (!format)
     fail(
         "{}: expected a trace (text, binary, .csv, .oracleGeneral, .bin or .din), found neither "
-        "our "
-        "first bytes nor a known extension; name the format",
+        "our first bytes nor a known extension; name the format",
         path.string());
   std::unique_ptr<TraceReader> companion;
   // A packed trace may have its companion under either name.

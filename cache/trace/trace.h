@@ -11,9 +11,8 @@
 // we write is read back whole, clusters and causes included. A file from another program has only
 // chunk, bytes and time: pages = bytes / page bytes rounded up, all bytes are needed but the page
 // rounding, and there are no clusters:
-//   csv     libCacheSim's: time,obj_id,obj_size, or these in the order of an optional line of
-//   names;
-//           time is the frame. Ours has more columns (trace_csv.cpp)
+//   csv     libCacheSim's: time,obj_id,obj_size, or the order that a line of names gives; time is
+//           the frame. Ours has more columns (trace_csv.cpp)
 //   oracleGeneral  libCacheSim's: 24 bytes a record, little endian: u32 time, u64 id, u32 size,
 //           i64 number (from 1) of the next request of this id, -1 for none. Ours has a companion
 //           file, "<name>.sluice", with the fields that do not fit (trace_oracle_general.cpp)

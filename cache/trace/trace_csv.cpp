@@ -201,7 +201,7 @@ class CsvReader final : public Reader {
     return recordOf({v[1], v[4], v[3], v[0], v[2], v[5], v[6], v[7], v[8]}, in_, line);
   }
 
-  // Of a file of others, up to the last one that is read.
+  // Foreign files have these columns, up to the last one that is read.
   std::vector<Column> columns_{Column::kTime, Column::kId, Column::kSize};
   std::string_view first_;  // the first line, when it is a record
   bool is_first_ = false;

@@ -80,6 +80,15 @@ TEST_F(PrintedLook, hasNoDigitsOfRounding) {
   }
   writeFile(program_.folder / "f_32x32x32_float32.raw", floats);
   EXPECT_THAT(look("f_32x32x32_float32.raw --mode mip", ""), HasSubstr("--range 0.1,0.7"));
+  // Far off 0, as many digits stay as the values differ in.
+  writeFile(program_.folder / "far.mhd",
+            "ObjectType = Image\nNDims = 3\nDimSize = 32 32 32\nElementType = MET_UCHAR\n"
+            "ElementToIntensityFunctionSlope = 0.1\n"
+            "ElementToIntensityFunctionOffset = 100000000000\n"
+            "ElementDataFile = far.raw\n");
+  writeFile(program_.folder / "far.raw",
+            std::string(16 * 32 * 32, '\0') + std::string(16 * 32 * 32, '\xd4'));
+  EXPECT_THAT(look("far.mhd --mode mip", ""), HasSubstr("--range 100000000000,100000000021.2"));
   for (const char* volume : {kSpot, "f_32x32x32_float32.raw"})
     for (const char* settings : {"", "--opacity 1", "--opacity 0.7", "--opacity 0.003",
                                  "--modulate --range 0.3,3", "--threshold 0.3 --opacity 0.3"}) {

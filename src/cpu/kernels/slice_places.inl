@@ -1,4 +1,5 @@
-// Where surfaces look for the values of slices, see FrameSetup::has_surfaces. Included once a target.
+// The places at which surfaces look for the values of slices, see FrameSetup::has_surfaces. Included
+// once a target.
 
 // A product and a sum that are each rounded with all instructions, while MulAdd() rounds once where
 // there are such instructions. The places of slices are rounded to a grid (FrameSetup::has_surfaces)

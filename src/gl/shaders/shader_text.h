@@ -36,7 +36,9 @@ extern const char* const kValuesText;      // each is of one value
 extern const char* const kSegmentsText;    // each is of the values between two places
 extern const char* const kSurfaceText;     // where a surface lies, and its colour
 extern const char* const kSurfacesText;    // each may have surfaces, which combine() blends with it
-// The surfaces of a box that joins another one, mayMeetIn(k) and addMet(k, ray).
+// Surfaces of boxes that join one another: addMet(k, ray) lists those that a slice meets in a box,
+// and mayMeetIn(k) tells of a box that joins whether there may be any.
+extern const char* const kMetText;
 extern const char* const kJoinedText;
 
 // These say how a pixel combines its samples, by beginSum(ray) and combine(sample, k, ray).

@@ -131,10 +131,11 @@ std::string joinedText(const ShaderVariant& variant) {
   for (int i = 0; i < variant.joined; ++i) {
     text += ownText(joinedVariant(variant, i), static_cast<size_t>(i),
                     std::string(kBoxInputsText) + kReadBoxText + kIntervalText + kWayText +
-                        kTexelText + kColorText + kSurfaceText + kJoinedText);
+                        kTexelText + kColorText + kSurfaceText + kMetText + kJoinedText);
     enter +=
         fmt::format("readBox_{0}({1}); enterBox_{0}(pixel, ray); ", i, kTexelsPerBox * (i + 1));
-    add += fmt::format("addMet_{}(k, ray); ", i);
+    add +=
+        fmt::format("for (bool met = mayMeetIn_{0}(k); met; met = false) addMet_{0}(k, ray); ", i);
     may += fmt::format(" || mayMeetIn_{}(k)", i);
   }
   text += undefined() + definitions(variant) + "#undef TEXEL_SCALE\n#define TEXEL_SCALE " +
@@ -151,7 +152,8 @@ std::string placesText(const ShaderVariant& variant) {
 }
 
 std::string samplesText(const ShaderVariant& variant) {
-  if (variant.surfaces > 0) return std::string(kSurfaceText) + kSurfacesText;
+  if (variant.surfaces > 0)
+    return std::string(kSurfaceText) + (variant.joined > 0 ? kMetText : "") + kSurfacesText;
   return variant.integrates ? kSegmentsText : kValuesText;
 }
 

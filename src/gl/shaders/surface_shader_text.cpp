@@ -100,33 +100,33 @@ vec4 surfaceColor(vec3 at, float level, vec4 color, vec3 light_at) {
 
 )";
 
-// Once for each box that joins, see joinedText().
+// Once for a box and for each that joins it, see joinedText(): the surfaces that slice k meets.
+const char* const kMetText = R"(
+void addMet(int k, Ray ray) {
+  float h = float(k - first_k) - 0.5;
+  float front = sharedEndAt(ray.origin, ray.step, float(k));
+  float back = sharedEndAt(ray.origin, ray.step, float(k + 1));
+  bool up = back > front;
+  float from = 0.0, value_from = front;
+  for (int n = 0; n < SURFACES; ++n) {
+    int i = up ? n : SURFACES - 1 - n;
+    float level = surface_levels[i];
+    // A loop, since software GL skips no `if`.
+    for (bool meets = meetsLevel(front, back, level); meets; meets = false) {
+      from = crossing(first, along, h, level, from, value_from, back, up);
+      met_part[met_count] = from;
+      met_color[met_count++] = surfaceColor(first + (h + from) * along, level, surface_colors[i],
+                                            lightAt(ray, float(k) - 0.5 + from));
+      value_from = level;
+    }
+  }
+}
+)";
+
 const char* const kJoinedText = R"(
 bool mayMeetIn(int k) {
   vec3 at = first + float(k - first_k) * along;
   return k >= range.x && k < range.y && mayMeet(endAt(at - 0.5 * along), endAt(at + 0.5 * along));
-}
-
-void addMet(int k, Ray ray) {
-  // A loop, since software GL skips no `if`.
-  for (bool again = mayMeetIn(k); again; again = false) {
-    float h = float(k - first_k) - 0.5;
-    float front = sharedEndAt(ray.origin, ray.step, float(k));
-    float back = sharedEndAt(ray.origin, ray.step, float(k + 1));
-    bool up = back > front;
-    float from = 0.0, value_from = front;
-    for (int n = 0; n < SURFACES; ++n) {
-      int i = up ? n : SURFACES - 1 - n;
-      float level = surface_levels[i];
-      for (bool meets = meetsLevel(front, back, level); meets; meets = false) {
-        from = crossing(first, along, h, level, from, value_from, back, up);
-        met_part[met_count] = from;
-        met_color[met_count++] = surfaceColor(first + (h + from) * along, level, surface_colors[i],
-                                              lightAt(ray, float(k) - 0.5 + from));
-        value_from = level;
-      }
-    }
-  }
 }
 )";
 
@@ -167,24 +167,7 @@ void beginSum(Ray ray) { beginSumWith(vec4(0.0)); }
 void combine(Sample next, int k, Ray ray) {
   float slice = float(k) + ray.jitter, from = 0.0;
   met_count = 0;
-  for (bool again = mayMeet(near_end, far_end); again; again = false) {
-    float h = float(k - first_k) - 0.5;
-    float front = sharedEndAt(ray.origin, ray.step, float(k));
-    float back = sharedEndAt(ray.origin, ray.step, float(k + 1));
-    bool up = back > front;
-    float at = 0.0, value_from = front;
-    for (int n = 0; n < SURFACES; ++n) {
-      int i = up ? n : SURFACES - 1 - n;
-      float level = surface_levels[i];
-      for (bool meets = meetsLevel(front, back, level); meets; meets = false) {
-        at = crossing(first, along, h, level, at, value_from, back, up);
-        met_part[met_count] = at;
-        met_color[met_count++] = surfaceColor(first + (h + at) * along, level, surface_colors[i],
-                                              lightAt(ray, float(k) - 0.5 + at));
-        value_from = level;
-      }
-    }
-  }
+  for (bool again = mayMeet(near_end, far_end); again; again = false) addMet(k, ray);
   ADD_JOINED
   for (int i = 1; i < met_count; ++i)
     for (int j = i; j > 0 && met_part[j] < met_part[j - 1]; --j) {

@@ -32,8 +32,13 @@ std::string_view mapOr(const LookArguments& look, std::string_view otherwise) {
 // Such a range is printed as an option. It is drawn as it is printed, so that the option gives the
 // look again.
 ValueRange tidyRange(ValueRange range) {
-  const ValueRange tidy{tidyNumber(range.lo), tidyNumber(range.hi)};
-  return tidy.lo < tidy.hi ? tidy : range;
+  // Values far off 0 may differ in the digits that tidyNumber() leaves out.
+  const double most = 1e-6 * (range.hi - range.lo);
+  const auto tidy = [most](double value) {
+    const double number = tidyNumber(value);
+    return std::abs(number - value) <= most ? number : value;
+  };
+  return {tidy(range.lo), tidy(range.hi)};
 }
 
 ValueRange ascending(ValueRange range) {
