@@ -79,12 +79,16 @@ uint64_t File::checksumOfSample(int pages) const {
 void File::checkUnchanged(int descriptor) const {
   struct stat now = {};
   if (fstat(descriptor, &now) != 0) failErrno(fmt::format("{}: fstat failed", path_), errno);
+  requireSame(opened_, now);
+}
+
+void File::requireSame(const struct stat& before, const struct stat& now) const {
   // A file that was replaced or written meanwhile would give voxels that the index does not know.
   // The time of the status' change is left out: a link or other rights change no voxels.
-  if (now.st_size != opened_.st_size || inNs(now.st_mtim) != inNs(opened_.st_mtim) ||
-      now.st_ino != opened_.st_ino || now.st_dev != opened_.st_dev)
+  if (now.st_size != before.st_size || inNs(now.st_mtim) != inNs(before.st_mtim) ||
+      now.st_ino != before.st_ino || now.st_dev != before.st_dev)
     fail("{}: changed while it was open ({} bytes then, {} now); open it again", path_,
-         opened_.st_size, now.st_size);
+         before.st_size, now.st_size);
 }
 
 void File::read(uint64_t offset, std::span<const iovec> parts) {

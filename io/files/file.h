@@ -43,6 +43,11 @@ class File : public ByteStore {
 
   uint64_t storedBytesRead() const override { return read_bytes_.load(); }
   std::vector<std::string> paths() const override { return {path_}; }
+  // As of the opening.
+  const struct stat& status() const { return opened_; }
+  // Throws Error if the file that was opened is not the one that had this status, or was written
+  // since.
+  void requireSame(const struct stat& before) const { requireSame(before, opened_); }
   uint64_t sizeBytes() const { return static_cast<uint64_t>(opened_.st_size); }
   // The path as it was given: for messages.
   const std::string& path() const { return path_; }
@@ -55,6 +60,7 @@ class File : public ByteStore {
 
  private:
   void checkUnchanged(int descriptor) const;
+  void requireSame(const struct stat& before, const struct stat& now) const;
   uint64_t checksumOfSample(int pages) const;
 
   const std::string path_;

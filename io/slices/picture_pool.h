@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <list>
+#include <map>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -25,6 +26,7 @@ class PicturePool {
       : files_(files), max_idle_(max_idle) {}
 
   std::unique_ptr<SlicePicture> take(size_t file) {
+    std::shared_ptr<const PictureTables> known;
     {
       const MutexLock lock(mutex_);
       const auto found = std::find_if(idle_.begin(), idle_.end(),
@@ -34,10 +36,17 @@ class PicturePool {
         idle_.erase(found);
         return picture;
       }
+      if (const auto tables = tables_.find(files_[file]); tables != tables_.end())
+        known = tables->second;
     }
     // Opened without the lock: a slow disk must not stop threads that find theirs.
-    auto picture = openSlicePicture(files_[file]);
+    auto picture = openSlicePicture(files_[file], known);
     countRead(picture->storedBytesRead());
+    // The table of a single page is read as fast as it is found here.
+    if (known == nullptr && picture->format().pages > 1) {
+      const MutexLock lock(mutex_);
+      tables_.emplace(files_[file], picture->tables());
+    }
     return picture;
   }
 
@@ -67,6 +76,8 @@ class PicturePool {
   Mutex mutex_;
   size_t max_idle_ SLUICE_GUARDED_BY(mutex_);
   std::list<std::pair<size_t, std::unique_ptr<SlicePicture>>> idle_ SLUICE_GUARDED_BY(mutex_);
+  std::map<std::filesystem::path, std::shared_ptr<const PictureTables>> tables_
+      SLUICE_GUARDED_BY(mutex_);  // of files with several pages
   std::atomic<uint64_t> read_bytes_{0};
 };
 

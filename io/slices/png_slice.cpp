@@ -42,7 +42,7 @@ class PngPicture final : public SlicePicture {
   PngPicture(const PngPicture&) = delete;
   PngPicture& operator=(const PngPicture&) = delete;
 
-  const PictureFormat& format() const override { return format_; }
+  std::shared_ptr<const PictureTables> tables() const override { return tables_; }
   uint64_t storedBytesRead() const override { return file_.storedBytesRead(); }
 
   void readRows(int64_t page, size_t level, int64_t first, int64_t count,
@@ -197,7 +197,8 @@ class PngPicture final : public SlicePicture {
   }
 
   File file_;
-  PictureFormat format_;
+  const std::shared_ptr<PictureTables> tables_ = std::make_shared<PictureTables>();
+  PictureFormat& format_ = tables_->format;
   png_structp png_ = nullptr;
   png_infop info_ = nullptr;
   uint64_t offset_ = 0;           // offset of the next byte that libpng takes

@@ -34,12 +34,13 @@ bool isSlicePicture(const std::filesystem::path& path) {
   return kindOf(path) != Kind::kOther;
 }
 
-std::unique_ptr<SlicePicture> openSlicePicture(const std::filesystem::path& path) {
+std::unique_ptr<SlicePicture> openSlicePicture(const std::filesystem::path& path,
+                                               const std::shared_ptr<const PictureTables>& known) {
   switch (kindOf(path)) {
     case Kind::kPng:
       return openPng(path);
     case Kind::kTiff:
-      return openTiff(path);
+      return openTiff(path, known);
     case Kind::kOther:
       break;
   }

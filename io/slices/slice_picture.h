@@ -49,12 +49,20 @@ struct PictureFormat {
   static constexpr int64_t kMaxSide = 1'000'000;
 };
 
+// What was read of a picture file to open it. With these tables, it is opened again without reading
+// them: a TIFF of thousands of pages has a table for each.
+struct PictureTables {
+  virtual ~PictureTables() = default;
+  PictureFormat format;
+};
+
 class SlicePicture {
  public:
   virtual ~SlicePicture() = default;
 
   // Constant after construction.
-  virtual const PictureFormat& format() const = 0;
+  virtual std::shared_ptr<const PictureTables> tables() const = 0;
+  const PictureFormat& format() const { return tables()->format; }
 
   // Rows [first, first + count) of a page, or of one of its reduced pictures if `level` > 0,
   // packed, in format().type and this machine's byte order. Rows are cheapest in ascending order,
@@ -72,7 +80,9 @@ class SlicePicture {
 bool isSlicePicture(const std::filesystem::path& path);
 
 // Opens a PNG or TIFF by its first bytes. Throws Error if the file is neither, damaged, or of an
-// unsupported kind (the message lists the supported ones).
-std::unique_ptr<SlicePicture> openSlicePicture(const std::filesystem::path& path);
+// unsupported kind (the message lists the supported ones). `known`: tables of this file, if it was
+// opened before and is still the same; otherwise they are read.
+std::unique_ptr<SlicePicture> openSlicePicture(
+    const std::filesystem::path& path, const std::shared_ptr<const PictureTables>& known = nullptr);
 
 }  // namespace sluice

@@ -61,18 +61,22 @@ TEST(SmallBlocks, thatTakeFarMoreThanTheVoxelsAreWarnedOf) {
 TEST_F(SharedChunks, areDecodedNoMoreOftenThanThePlanSays) {
   struct Case {
     const char* volume;
-    int64_t chunks;
+    int64_t chunks, pages = 0;
   };
-  for (const Case& c : {Case{"slabs.h5", 24}, {"tiles.tif", 9 * 192}, {"strips.tif", 6 * 192}}) {
+  for (const Case& c :
+       {Case{"slabs.h5", 24}, {"tiles.tif", 9 * 192, 192}, {"strips.tif", 6 * 192, 192}}) {
     readBytes(c.volume, "512M");  // makes the index
     const double all = readBytes(c.volume, "512M");
+    // Each thread reads the tables of the pages that it decodes, and threads share them by chance.
+    const double tables = 4 * 2048.0 * static_cast<double>(c.pages);
     for (const char* memory : {"512M", "32M", "16M", "12M"}) {
       SCOPED_TRACE(fmt::format("{} {}", c.volume, memory));
       const nlohmann::json store = plan(c.volume, memory)["store"];
       EXPECT_EQ(store["chunks"], c.chunks);
       EXPECT_GE(store["decoded_bytes"], 192 * 192 * 192);
       const double told = store["most_decodes"].get<double>();
-      EXPECT_LE(readBytes(c.volume, memory) / all, 1.02 * told / static_cast<double>(c.chunks));
+      EXPECT_LE(readBytes(c.volume, memory),
+                1.02 * all * told / static_cast<double>(c.chunks) + tables);
       const std::string said = program_.run("plan" + options(c.volume, memory)).output;
       if (memory == std::string("512M")) {
         EXPECT_EQ(told, static_cast<double>(c.chunks));

@@ -38,6 +38,10 @@ struct TiffPage {
            fill_order == FILLORDER_MSB2LSB && predictor >= PREDICTOR_NONE &&
            predictor <= PREDICTOR_FLOATINGPOINT;
   }
+  // Pixels of these numbers have no value.
+  std::vector<double> missingValues() const {
+    return no_data ? std::vector<double>{*no_data} : std::vector<double>();
+  }
   size_t pixelBytes() const { return size_t{samples} * bits / 8; }
 };
 

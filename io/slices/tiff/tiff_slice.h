@@ -14,7 +14,9 @@
 
 namespace sluice {
 
-// Throws Error: no TIFF, damaged, of another kind than the above, pages that differ.
-std::unique_ptr<SlicePicture> openTiff(const std::filesystem::path& path);
+// As openSlicePicture(). Throws Error: no TIFF, damaged, of another kind than the above, pages that
+// differ.
+std::unique_ptr<SlicePicture> openTiff(const std::filesystem::path& path,
+                                       const std::shared_ptr<const PictureTables>& known);
 
 }  // namespace sluice

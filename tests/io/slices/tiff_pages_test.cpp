@@ -4,6 +4,7 @@
 #include <fstream>
 
 #include "io/open_volume.h"
+#include "io/slices/slice_picture.h"
 #include "io/slices/slice_stack.h"
 #include "src/base/sources/volume_channels.h"
 #include "src/base/sources/volume_levels.h"
@@ -143,6 +144,30 @@ TEST_F(TiffPages, withReducedImagesHaveCoarserLevels) {
       EXPECT_EQ(levels[i - 1].placement, (LevelPlacement{{scale, scale, 1}, {offset, offset, 0}}));
     }
   }
+}
+
+// Threads open a picture by themselves, and with little memory again and again.
+TEST_F(TiffPages, openedAgainTheirTablesAreKnownUnlessTheFileIsAnother) {
+  const TempFolder folder;
+  const std::filesystem::path file = folder / "a.tif";
+  std::filesystem::copy_file(pathOf("ome-zct.tif"), file);
+  const auto first = openSlicePicture(file);
+  const auto again = openSlicePicture(file, first->tables());
+  EXPECT_GT(first->format().pages, 20);
+  EXPECT_LT(again->storedBytesRead(), first->storedBytesRead() / 10);
+  const auto rowsOf = [&](SlicePicture& picture, int64_t page) {
+    const PictureFormat& format = picture.format();
+    std::string rows(static_cast<size_t>(format.width * format.height) * bytesPerVoxel(format.type),
+                     ' ');
+    picture.readRows(page, 0, 0, format.height, std::as_writable_bytes(std::span(rows)));
+    return rows;
+  };
+  for (const int64_t page : {first->format().pages - 1, int64_t{0}, int64_t{7}})
+    EXPECT_TRUE(rowsOf(*again, page) == rowsOf(*first, page)) << page;
+  std::filesystem::copy_file(pathOf("ome-set.tif"), file,
+                             std::filesystem::copy_options::overwrite_existing);
+  EXPECT_THAT(errorOf([&] { openSlicePicture(file, first->tables()); }),
+              AllOf(HasSubstr("a.tif: "), HasSubstr("changed while it was open")));
 }
 
 TEST_F(TiffPages, ofASetAreThoseOfAllItsFilesWhicheverIsNamed) {
