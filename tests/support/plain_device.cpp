@@ -176,21 +176,19 @@ void PlainDevice::take(const PlainRay& ray, const BoxDraw& box, const ChunkTexel
     }
     Vec3d gradient;  // camera space, device values a world unit
     double difference_squares = 0, axis_squares = 0;
-    const bool is_wide = chunk.has_spread && composite && !labels;
+    const bool has_slopes = setup_.lit || !look_up.magnitudes.empty();
+    const bool is_wide = has_slopes && chunk.has_spread && composite && !labels;
     const Vec3d scale = box.texels.scale;
     const double texel_voxels = std::pow(scale.x * scale.y * scale.z, -1.0 / 3);
     const std::optional<WideSlopes> wide =
         is_wide ? wideSlopesAt(chunk, texel, texel_voxels) : std::nullopt;
-    if (setup_.lit || !look_up.magnitudes.empty())
+    if (has_slopes)
       for (int a = 0; a < 3; ++a) {
         Vec3d after = texel, before = texel;
         after[a] += 1;
         before[a] -= 1;
-        double next = valueAt(chunk, after), last = valueAt(chunk, before);
-        if (wide) {
-          next = wide->slopes[a];
-          last = -next;
-        }
+        const double next = wide ? wide->slopes[a] : valueAt(chunk, after);
+        const double last = wide ? -next : valueAt(chunk, before);
         const auto axis = static_cast<size_t>(box.texels.axes[static_cast<size_t>(a)]);
         const Vec3d a_texel = setup_.camera_gradient[axis] * box.texels.scale[a];
         axis_squares += dot(a_texel, a_texel);

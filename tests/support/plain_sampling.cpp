@@ -107,56 +107,72 @@ double heaviestAt(const ChunkTexels& chunk, Vec3d at, const Counts& counts) {
   return best;
 }
 
+// The 4 x 4 x 4 texels around a place, x fastest; the first is the one before that at or below the
+// place.
+using Around = std::array<double, 64>;
+Vec3i texelAround(Vec3d at, size_t i) {
+  const auto n = static_cast<int64_t>(i);
+  return Vec3i{static_cast<int64_t>(std::floor(at.x)) - 1,
+               static_cast<int64_t>(std::floor(at.y)) - 1,
+               static_cast<int64_t>(std::floor(at.z)) - 1} +
+         Vec3i{n % 4, n / 4 % 4, n / 16};
+}
+double partAlong(Vec3d at, int axis) {
+  return at[axis] - std::floor(at[axis]);
+}
+
+// The sum of the texels by the products of three axes' weights.
+using AxisWeights = std::array<double, 4>;
+double weighted(const Around& numbers, const std::array<AxisWeights, 3>& weights) {
+  double sum = 0;
+  for (size_t i = 0; i < numbers.size(); ++i)
+    sum += numbers[i] * weights[0][i % 4] * weights[1][i / 4 % 4] * weights[2][i / 16];
+  return sum;
+}
+// Of three texels by those weights, at the two texels around and interpolated between them.
+AxisWeights alongAxis(double part, const std::array<double, 3>& three) {
+  AxisWeights weights{};
+  for (size_t i = 0; i < three.size(); ++i) {
+    weights[i] += (1 - part) * three[i];
+    weights[i + 1] += part * three[i];
+  }
+  return weights;
+}
+std::array<AxisWeights, 3> smoothingAt(Vec3d at) {
+  std::array<AxisWeights, 3> weights{};
+  for (int a = 0; a < 3; ++a)
+    weights[static_cast<size_t>(a)] = alongAxis(partAlong(at, a), {0.25, 0.5, 0.25});
+  return weights;
+}
+
 // The slope along each axis of Sobel's operator at the eight texels around a place, trilinear.
-template <class NumberOf>
-Vec3d sobelAt(Vec3d at, const NumberOf& number_of) {
+Vec3d sobelAt(Vec3d at, const Around& numbers) {
   Vec3d slopes;
-  for (int axis = 0; axis < 3; ++axis)
-    slopes[axis] = interpolated(at, [&](Vec3i texel) {
-      double slope = 0;
-      for (int64_t z = -1; z <= 1; ++z)
-        for (int64_t y = -1; y <= 1; ++y)
-          for (int64_t x = -1; x <= 1; ++x) {
-            const Vec3i way{x, y, z};
-            double weight = static_cast<double>(way[axis]) / 32;
-            for (int a = 0; a < 3; ++a)
-              if (a != axis && way[a] == 0) weight *= 2;
-            slope += weight * number_of(texel + way);
-          }
-      return slope;
-    });
+  for (int axis = 0; axis < 3; ++axis) {
+    auto weights = smoothingAt(at);
+    weights[static_cast<size_t>(axis)] = alongAxis(partAlong(at, axis), {-0.5, 0, 0.5});
+    slopes[axis] = weighted(numbers, weights);
+  }
   return slopes;
+}
+// The mean of the same texels by 1/4, 1/2 and 1/4 along each axis.
+double smoothedAt(Vec3d at, const Around& numbers) {
+  return weighted(numbers, smoothingAt(at));
 }
 // The least of the same texels: along each axis the least of four, the outer ones as
 // rough_light.h says; then along the next axis.
-template <class NumberOf>
-double leastAt(Vec3d at, const NumberOf& number_of, int axis = 2, Vec3i cell = {}) {
-  if (axis < 0) return number_of(cell);
-  const auto low = static_cast<int64_t>(std::floor(at[axis]));
-  std::array<double, 4> four{};
-  for (size_t i = 0; i < four.size(); ++i) {
-    cell[axis] = low + static_cast<int64_t>(i) - 1;
-    four[i] = leastAt(at, number_of, axis - 1, cell);
+double leastAt(Vec3d at, Around numbers) {
+  size_t count = numbers.size() / 4;
+  for (int axis = 0; axis < 3; ++axis, count /= 4) {
+    const double part = partAlong(at, axis);
+    const double after = std::max(0.0, 2 * part - 1), before = std::max(0.0, 1 - 2 * part);
+    for (size_t i = 0; i < count; ++i) {
+      const double* four = &numbers[4 * i];
+      numbers[i] = std::min({four[0] * (1 - after) + four[1] * after, four[1], four[2],
+                             four[3] * (1 - before) + four[2] * before});
+    }
   }
-  const double part = at[axis] - static_cast<double>(low);
-  const double after = std::max(0.0, 2 * part - 1), before = std::max(0.0, 1 - 2 * part);
-  return std::min(
-      {std::lerp(four[0], four[1], after), four[1], four[2], std::lerp(four[3], four[2], before)});
-}
-// The mean of the same texels by 1/4, 1/2 and 1/4 along each axis.
-template <class NumberOf>
-double smoothedAt(Vec3d at, const NumberOf& number_of) {
-  return interpolated(at, [&](Vec3i texel) {
-    double sum = 0;
-    for (int64_t z = -1; z <= 1; ++z)
-      for (int64_t y = -1; y <= 1; ++y)
-        for (int64_t x = -1; x <= 1; ++x) {
-          const int64_t beside = std::abs(x) + std::abs(y) + std::abs(z);
-          sum +=
-              number_of(texel + Vec3i{x, y, z}) * std::pow(0.5, 3.0 + static_cast<double>(beside));
-        }
-    return sum;
-  });
+  return numbers[0];
 }
 
 }  // namespace
@@ -191,56 +207,46 @@ double sharedOpacity(double opacity, double part, double lengths, double voxel) 
 }
 
 Vec3d labelSlopesAt(const ChunkTexels& chunk, const LookUp& look_up, Vec3d at) {
-  const Vec3i first{static_cast<int64_t>(std::floor(at.x)) - 1,
-                    static_cast<int64_t>(std::floor(at.y)) - 1,
-                    static_cast<int64_t>(std::floor(at.z)) - 1};
-  std::array<double, 64> opacities{};  // of the texels around, x fastest
-  std::map<double, double> shown;      // labels and their opacities
-  const auto texelOf = [&](size_t i) {
-    const auto n = static_cast<int64_t>(i);
-    return first + Vec3i{n % 4, n / 4 % 4, n / 16};
-  };
+  Around opacities{};
+  std::map<double, double> shown;  // labels and their opacities
   for (size_t i = 0; i < opacities.size(); ++i) {
-    const double label = texelAt(chunk, texelOf(i));
+    const double label = texelAt(chunk, texelAround(at, i));
     opacities[i] = label < kNoNumber ? 0.0 : lookedUp(look_up, label, false)[3];
     if (opacities[i] > 0) shown[label] = opacities[i];
   }
   if (chunk.has_spread && shown.size() == 1) {
     double fullest = 0;
     for (size_t i = 0; i < opacities.size(); ++i)
-      if (opacities[i] > 0) fullest = std::max(fullest, 1 - othersShareAt(chunk, texelOf(i)));
+      if (opacities[i] > 0)
+        fullest = std::max(fullest, 1 - othersShareAt(chunk, texelAround(at, i)));
     const double body = std::clamp(4 * fullest - 2, 0.0, 1.0);
     for (size_t i = 0; i < opacities.size(); ++i) {
-      const double others = othersShareAt(chunk, texelOf(i));
+      const double others = othersShareAt(chunk, texelAround(at, i));
       opacities[i] = shown.begin()->second * (opacities[i] > 0 ? 1 - others : body * others);
     }
   }
-  const auto opacityOf = [&](Vec3i texel) {
-    const Vec3i way = texel - first;
-    return opacities.at(static_cast<size_t>(way.x + 4 * way.y + 16 * way.z));
-  };
-  return sobelAt(at, opacityOf);
+  return sobelAt(at, opacities);
 }
 
 std::optional<WideSlopes> wideSlopesAt(const ChunkTexels& chunk, Vec3d at, double texel_voxels) {
-  const Vec3i cell{static_cast<int64_t>(std::floor(at.x)), static_cast<int64_t>(std::floor(at.y)),
-                   static_cast<int64_t>(std::floor(at.z))};
-  for (int64_t i = 0; i < 64; ++i)
-    if (texelAt(chunk, cell + Vec3i{i % 4 - 1, i / 4 % 4 - 1, i / 16 - 1}) < kNoNumber) return {};
-  const double first = texelAt(chunk, cell);
-  const auto meanOf = [&](Vec3i texel) { return texelAt(chunk, texel) - first; };
-  const auto squareOf = [&](Vec3i texel) {
-    const double deviation = std::max(texelAt(chunk, texel, 1), 0.0) / 2;
-    return meanOf(texel) * meanOf(texel) + deviation * deviation;
-  };
-  const Vec3d slopes = sobelAt(at, meanOf);
-  const double mean = smoothedAt(at, meanOf);
-  const double variance = std::max(0.0, smoothedAt(at, squareOf) - mean * mean);
+  const double first = texelAt(chunk, texelAround(at, 21));  // at or below the place
+  Around means{}, below{}, squares{}, spreads{};
+  for (size_t i = 0; i < means.size(); ++i) {
+    const Vec3i texel = texelAround(at, i);
+    const double value = texelAt(chunk, texel);
+    if (value < kNoNumber) return {};
+    means[i] = value - first;
+    below[i] = -means[i];
+    spreads[i] = std::max(texelAt(chunk, texel, 1), 0.0);
+    squares[i] = means[i] * means[i] + spreads[i] * spreads[i] / 4;
+  }
+  const Vec3d slopes = sobelAt(at, means);
+  const double mean = smoothedAt(at, means);
+  const double variance = std::max(0.0, smoothedAt(at, squares) - mean * mean);
   const double spread = spreadAt(chunk, at);
-  const double bottom = leastAt(at, meanOf);
-  const double height = -leastAt(at, [&](Vec3i texel) { return -meanOf(texel); }) - bottom;
-  const double calm =
-      leastAt(at, [&](Vec3i texel) { return std::max(texelAt(chunk, texel, 1), 0.0); });
+  const double bottom = leastAt(at, means);
+  const double height = -leastAt(at, below) - bottom;
+  const double calm = leastAt(at, spreads);
 
   // Values that are all alike have no edge.
   const double full = height > 0 ? std::clamp((mean - bottom) / height, 0.02, 1.0) : 1;
