@@ -2,6 +2,7 @@
 #include <fstream>
 
 #include "tests/parallel/ranks_program.h"
+#include "tests/tools/script_files.h"
 
 namespace sluice {
 namespace {
@@ -14,14 +15,9 @@ class RanksChannels : public RanksTest {
  protected:
   // Writes cells.ome.zarr into each of the folders.
   void writeCells(const std::vector<std::string>& folders) const {
-    if (runCommand("/usr/bin/python3 -c 'import numpy, PIL, tifffile, zarr'").status != 0)
-      GTEST_SKIP() << "python3 with numpy, pil, tifffile and zarr is missing";
-    for (const std::string& folder : folders) {
-      std::filesystem::create_directory(program_.folder / folder);
-      const CommandResult written = program_.inFolder(
-          "cd " + folder + " && /usr/bin/python3 " SLUICE_TEST_DIR "/tools/channels.py write");
-      ASSERT_EQ(written.status, 0) << written.output;
-    }
+    for (const std::string& folder : folders)
+      if (!copyScriptFiles("channels.py", "numpy, PIL, tifffile, zarr", program_.folder / folder))
+        GTEST_SKIP() << "python3 with numpy, pil, tifffile and zarr is missing";
   }
   CommandResult onRanks(int ranks, const std::string& arguments) const {
     return inFolder(GetParam().start(ranks, 60) + " " + arguments);

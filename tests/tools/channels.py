@@ -11,8 +11,6 @@
 import sys
 
 import numpy as np
-import tifffile
-import zarr
 from PIL import Image
 
 COLORS = {'DAPI': '00FFFF', 'Actin': '00FF00', 'Spots': 'FF00FF', 'Dust': 'FFFFFF'}
@@ -38,6 +36,7 @@ def cells():
 
 
 def write_zarr(name, voxels):
+    import zarr  # takes longer to load than sums take
     group = zarr.open_group(name, mode='w')
     has_time = voxels.ndim == 5
     group.create_dataset('0', data=voxels, chunks=(1, 1, 16, 32, 32)[-voxels.ndim:])
@@ -53,6 +52,7 @@ def write_zarr(name, voxels):
 
 
 def write():
+    import tifffile
     voxels = cells()
     write_zarr('cells.ome.zarr', voxels)
     # Red, green, blue and alpha in a signed number.
