@@ -22,7 +22,8 @@ import tempfile
 PROGRAM, ROOT = sys.argv[1], pathlib.Path(sys.argv[2])
 # The gallery's pictures are drawn again by tools/gallery.sh, from volumes that are not here; so are those of datasets.md.
 PAGES = [ROOT / 'README.md'] + sorted(page for page in (ROOT / 'docs').glob('*.md') if page.name != 'gallery.md')
-SMALLER = [(r'512x512x512', '48x48x48'), (r'512,512,512', '48,48,48'), (r'256x256x225', '48x48x40'), (r'800x600', '48x36')]
+SMALLER = [(r'512x512x512', '48x48x48'), (r'512,512,512', '48,48,48'), (r'256x256x225', '48x48x40'), (r'800x600', '48x36'),
+           (r'16821,7494,2070', '1682,749,207'), (r'--size 256x256', '--size 64x64')]
 SIZE = ' --size 128'
 PLACEHOLDER = re.compile(r'\b[A-Z][A-Z]+\b|\.\.\.|…|--host|\bsrun\b')
 
@@ -30,7 +31,8 @@ PLACEHOLDER = re.compile(r'\b[A-Z][A-Z]+\b|\.\.\.|…|--host|\bsrun\b')
 def run(folder, line, program=PROGRAM):
     """A line of sh, with `sluice` as the program under test."""
     # mpirun asks every X server for GPUs, and ends with one that a test of the window stops meanwhile.
-    environment = dict(os.environ, XDG_CACHE_HOME=f'{folder}/cache', XDG_CONFIG_HOME=f'{folder}/config', HWLOC_COMPONENTS='-gl')
+    environment = dict(os.environ, XDG_CACHE_HOME=f'{folder}/cache', XDG_CONFIG_HOME=f'{folder}/config', HWLOC_COMPONENTS='-gl',
+                       OMPI_MCA_orte_tmpdir_base=str(folder))  # apart from other tests' ranks
     for name in ('DISPLAY', 'WAYLAND_DISPLAY'):
         environment.pop(name, None)
     script = f'sluice() {{ {shlex.quote(program)} "$@"; }}\n{line}'
@@ -143,8 +145,12 @@ def smaller(line):
     command = ' '.join(words[first + 1:first + 3])
     if words[first + 1] == 'render' and '--size' not in line:
         line += SIZE
-    if command in ('bench render', 'bench algorithms', 'bench skipping', 'bench occlusion') and '--frames' not in line:
+    if command in ('bench render', 'bench algorithms', 'bench skipping', 'bench occlusion', 'bench quality') and '--frames' not in line:
         line += SIZE + ' --frames 1'
+    if command in ('bench culling', 'bench threshold'):
+        line += SIZE
+    if command in ('bench channels', 'bench levels') and '--frames' not in line:
+        line += ' --frames 1'
     return line
 
 
