@@ -43,19 +43,22 @@ class SurfacesTest : public RightPictureTest {
 };
 
 TEST_F(SurfacesTest, giveTheReferencePictureAlone) {
+  // Steps take turns: over the three types, each meets every light and projection.
+  constexpr double kSteps[] = {0.5, 1.0, 1.7};
+  size_t turn = 0;
   for (const VoxelType type : {VoxelType::kU8, VoxelType::kI16, VoxelType::kF32}) {
     const auto source = spacedBlobs(type);
     const ValueRange range = valueRangeOf(*source);
     const TransferFunction transfer = surfacesAlone(range, threeSurfaces(range));
     for (const bool lit : {false, true})
-      for (const Projection projection : kProjections)
-        for (const double step : {0.5, 1.0, 1.7}) {
-          SCOPED_TRACE(fmt::format("{}, lit {}, projection {}, step {}", name(type), lit,
-                                   static_cast<int>(projection), step));
-          FrameOptions options = obliqueView(projection, {64, 60});
-          options.step_vox = step;
-          expectRightPicture(*source, transfer, options, lit);
-        }
+      for (const Projection projection : kProjections) {
+        const double step = kSteps[turn++ % 3];
+        SCOPED_TRACE(fmt::format("{}, lit {}, projection {}, step {}", name(type), lit,
+                                 static_cast<int>(projection), step));
+        FrameOptions options = obliqueView(projection, {64, 60});
+        options.step_vox = step;
+        expectRightPicture(*source, transfer, options, lit);
+      }
   }
 }
 
@@ -148,43 +151,52 @@ TEST_F(SurfacesTest, aSphereHasItsRadiusAndItsNormalsFromAllSides) {
   const auto source = distances();
   RenderScene scene(device(), *source, surfacesAlone({0, 70}, {{kRadius, 1}}),
                     {.block_vox = 8, .lit = true});
-  for (const double azimuth : {0.0, 37.0, 120.0, 205.0, 290.0})
-    for (const double elevation : {-80.0, -30.0, 0.0, 55.0}) {
-      FrameOptions options = obliqueView(Projection::kOrtho, {80, 80});
-      options.camera.azimuth_deg = azimuth;
-      options.camera.elevation_deg = elevation;
-      options.with_depth = true;
-      const View view = resolve(options.camera, source->layout(), options.size, 1);
-      options.lighting = oneLight({1, 0, 0});
-      const FloatPicture x = scene.draw(options);
-      options.lighting = oneLight({0, 1, 0});
-      const FloatPicture y = scene.draw(options);
-      options.lighting = oneLight({0, 0, 1});
-      const FloatPicture z = scene.draw(options);
-      double worst_radius = 0, worst_angle = 0;
-      int seen = 0;
-      for (int j = 0; j < 80; ++j)
-        for (int i = 0; i < 80; ++i) {
-          if (!(x.at(i, j)[3] > 0.5F)) continue;
-          const double u = 2 * (i + 0.5) / 80 - 1, v = 1 - 2 * (j + 0.5) / 80;
-          const auto depth =
-              static_cast<double>(x.depth[static_cast<size_t>(j) * 80 + static_cast<size_t>(i)]);
-          const Vec3d at = view.eye + view.right * (u * view.half_height) +
-                           view.up * (v * view.half_height) + view.forward * depth - kMiddle;
-          worst_radius = std::max(worst_radius, std::abs(length(at) - kRadius));
-          const auto across = [](double d) { return std::abs(d); };
-          const Vec3d expected{across(dot(at, view.right)), across(dot(at, view.up)),
-                               across(dot(at, view.forward))};
-          const Vec3d found{static_cast<double>(x.at(i, j)[0]), static_cast<double>(y.at(i, j)[0]),
-                            static_cast<double>(z.at(i, j)[0])};
-          const double cosine = dot(normalized(expected), normalized(found));
-          worst_angle = std::max(worst_angle, std::acos(std::min(cosine, 1.0)));
-          ++seen;
-        }
-      EXPECT_GT(seen, 800);
-      EXPECT_LT(worst_radius, 0.01) << azimuth << ", " << elevation;
-      EXPECT_LT(worst_angle * 180 / std::numbers::pi, 1) << azimuth << ", " << elevation;
-    }
+  // Along an axis, from all eight octants, and from almost above and below.
+  for (const auto& [azimuth, elevation] : {std::pair(0.0, 0.0),
+                                           {37.0, 55.0},
+                                           {120.0, 30.0},
+                                           {205.0, 55.0},
+                                           {290.0, 30.0},
+                                           {37.0, -30.0},
+                                           {120.0, -80.0},
+                                           {205.0, -30.0},
+                                           {290.0, -55.0},
+                                           {0.0, 80.0}}) {
+    FrameOptions options = obliqueView(Projection::kOrtho, {80, 80});
+    options.camera.azimuth_deg = azimuth;
+    options.camera.elevation_deg = elevation;
+    options.with_depth = true;
+    const View view = resolve(options.camera, source->layout(), options.size, 1);
+    options.lighting = oneLight({1, 0, 0});
+    const FloatPicture x = scene.draw(options);
+    options.lighting = oneLight({0, 1, 0});
+    const FloatPicture y = scene.draw(options);
+    options.lighting = oneLight({0, 0, 1});
+    const FloatPicture z = scene.draw(options);
+    double worst_radius = 0, worst_angle = 0;
+    int seen = 0;
+    for (int j = 0; j < 80; ++j)
+      for (int i = 0; i < 80; ++i) {
+        if (!(x.at(i, j)[3] > 0.5F)) continue;
+        const double u = 2 * (i + 0.5) / 80 - 1, v = 1 - 2 * (j + 0.5) / 80;
+        const auto depth =
+            static_cast<double>(x.depth[static_cast<size_t>(j) * 80 + static_cast<size_t>(i)]);
+        const Vec3d at = view.eye + view.right * (u * view.half_height) +
+                         view.up * (v * view.half_height) + view.forward * depth - kMiddle;
+        worst_radius = std::max(worst_radius, std::abs(length(at) - kRadius));
+        const auto across = [](double d) { return std::abs(d); };
+        const Vec3d expected{across(dot(at, view.right)), across(dot(at, view.up)),
+                             across(dot(at, view.forward))};
+        const Vec3d found{static_cast<double>(x.at(i, j)[0]), static_cast<double>(y.at(i, j)[0]),
+                          static_cast<double>(z.at(i, j)[0])};
+        const double cosine = dot(normalized(expected), normalized(found));
+        worst_angle = std::max(worst_angle, std::acos(std::min(cosine, 1.0)));
+        ++seen;
+      }
+    EXPECT_GT(seen, 800);
+    EXPECT_LT(worst_radius, 0.01) << azimuth << ", " << elevation;
+    EXPECT_LT(worst_angle * 180 / std::numbers::pi, 1) << azimuth << ", " << elevation;
+  }
 }
 
 // Pixels well inside an outline of opaque pixels that are not opaque.
