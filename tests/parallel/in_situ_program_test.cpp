@@ -14,7 +14,9 @@ void PrintTo(const InSituProgram& program, std::ostream* to) {
   *to << program.name;
 }
 
-class InSituRanks : public testing::TestWithParam<InSituProgram> {};
+class InSituRanks : public testing::TestWithParam<InSituProgram> {
+  const OwnSessions sessions_;
+};
 
 TEST_P(InSituRanks, drawThePictureOfOneProcess) {
   const InSituProgram& mpi = GetParam();

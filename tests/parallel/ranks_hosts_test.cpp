@@ -80,6 +80,7 @@ class RanksHosts : public testing::Test {
     return runCommand(
         fmt::format("ip netns exec {} unshare --uts sh -c {}", hosts_.name(0), shellQuoted(line)));
   }
+  const OwnSessions sessions_;
   const Program program_;
   const Hosts hosts_;
 };

@@ -62,9 +62,17 @@ inline const MpiLauncher kOpenMpiLauncher{
 inline const MpiLauncher kMpichLauncher{"Mpich", "sluice_mpich.so", "mpiexec.mpich mpiexec.hydra",
                                         ""};
 
+// A folder for what Open MPI keeps while ranks run. All of a user's share one folder otherwise,
+// which a launcher that ends removes while another one starts in it.
+struct OwnSessions {
+  OwnSessions() { setenv("OMPI_MCA_orte_tmpdir_base", folder.path().c_str(), 1); }
+  const TempFolder folder;
+};
+
 // A test that runs with each MPI that is there.
 class RanksTest : public testing::TestWithParam<MpiLauncher> {
  protected:
+  const OwnSessions sessions_;
   void SetUp() override {
     if (const std::string missing = GetParam().missing(); !missing.empty())
       GTEST_SKIP() << "skipped: " << missing;
