@@ -1,6 +1,6 @@
-"""Compares the levels of a store with what NumPy makes of its level 0.
+"""Compares the levels of stores with what NumPy makes of their level 0.
 
-check_packed_levels.py STORE mean|max|min|mode: every voxel of a level is compared with that of its block, a
+check_packed_levels.py STORE mean|max|min|mode [STORE ...]: every voxel of a level is compared with that of its block, a
 level's place with its scale. Levels of means have spreads: twice NumPy's standard deviation; levels of modes have
 shares: the part of a block that is not its mode. Several words with
 commas between: the further levels lie in groups of their own, which the attributes name. Prints "level shape step"
@@ -11,12 +11,6 @@ import sys
 
 import numpy as np
 import zarr
-
-group = zarr.open(sys.argv[1], "r")
-how, *further = sys.argv[2].split(",")
-image = group.attrs["multiscales"][0]
-fine = group["0"][:]
-space = fine.ndim - 3
 
 
 def place(dataset):
@@ -67,48 +61,62 @@ def spread(voxels, step):
     return 2 * np.sqrt(mean((values - means) ** 2, step))
 
 
-own = group.attrs["sluice"] if "sluice" in group.attrs else {}
-spreads = own.get("spreads")
-folders = own.get("levels", {})
-assert sorted(folders) == sorted(further), folders
-assert (spreads is not None) == (how in ("mean", "mode"))
-assert image["type"] == how
-extremes = {"max": np.maximum, "min": np.minimum}
-kinds = {"u1": "u1", "i1": "u1", "u2": "u2", "i2": "u2"}
-scale_0, translation_0 = place(image["datasets"][0])
-for i, dataset in enumerate(image["datasets"][1:], 1):
-    scale, translation = place(dataset)
-    step = np.rint(scale / scale_0).astype(int)
-    assert np.allclose(scale, step * scale_0)
-    assert np.allclose(translation, translation_0 + (step - 1) / 2 * scale_0), (translation, translation_0)
-    assert (step[:space] == 1).all()
-    coarse = group[dataset["path"]][:]
-    for kind in further:
-        made = group[f"{folders[kind]}/{dataset['path']}"][:]
+def check(store, words):
+    group = zarr.open(store, "r")
+    how, *further = words.split(",")
+    image = group.attrs["multiscales"][0]
+    fine = group["0"][:]
+    space = fine.ndim - 3
+    own = group.attrs["sluice"] if "sluice" in group.attrs else {}
+    spreads = own.get("spreads")
+    folders = own.get("levels", {})
+    assert sorted(folders) == sorted(further), folders
+    assert (spreads is not None) == (how in ("mean", "mode"))
+    assert image["type"] == how
+    extremes = {"max": np.maximum, "min": np.minimum}
+    kinds = {"u1": "u1", "i1": "u1", "u2": "u2", "i2": "u2"}
+    scale_0, translation_0 = place(image["datasets"][0])
+    for i, dataset in enumerate(image["datasets"][1:], 1):
+        scale, translation = place(dataset)
+        step = np.rint(scale / scale_0).astype(int)
+        assert np.allclose(scale, step * scale_0)
+        assert np.allclose(translation, translation_0 + (step - 1) / 2 * scale_0), (translation, translation_0)
+        assert (step[:space] == 1).all()
+        coarse = group[dataset["path"]][:]
+        for kind in further:
+            made = group[f"{folders[kind]}/{dataset['path']}"][:]
+            for outer in np.ndindex(fine.shape[:space]):
+                voxels = fine[outer]
+                assert np.array_equal(made[outer], extreme(voxels, step[space:], extremes[kind]) if kind in extremes else blocks(voxels, step[space:], mode))
         for outer in np.ndindex(fine.shape[:space]):
-            voxels = fine[outer]
-            assert np.array_equal(made[outer], extreme(voxels, step[space:], extremes[kind]) if kind in extremes else blocks(voxels, step[space:], mode))
-    for outer in np.ndindex(fine.shape[:space]):
-        voxels, found = fine[outer], coarse[outer]
-        if how == "mean":
-            expected = mean(voxels, step[space:])
-            tolerance = 0.5 + 1e-9 if found.dtype.kind in "iu" else 1e-6 * max(1, np.abs(expected).max())
-            assert found.shape == expected.shape, (found.shape, expected.shape)
-            assert np.abs(found.astype("f8") - expected).max() <= tolerance
-            kept = group[f"{spreads}/{dataset['path']}"][outer]
-            assert kept.dtype == kinds.get(fine.dtype.str[1:], "f4"), kept.dtype
-            expected = spread(voxels, step[space:])
-            tolerance = 0.5 + 1e-9 if kept.dtype.kind == "u" else 1e-6 * max(1, expected.max())
-            assert kept.shape == expected.shape
-            assert np.abs(kept.astype("f8") - expected).max() <= tolerance
-        else:
-            expected = extreme(voxels, step[space:], extremes[how]) if how in extremes else blocks(voxels, step[space:], mode)
-            assert np.array_equal(found, expected)
-        if how == "mode":
-            kept = group[f"{spreads}/{dataset['path']}"][outer]
-            assert kept.dtype == kinds.get(fine.dtype.str[1:], "f4"), kept.dtype
-            whole = np.iinfo(kept.dtype).max if kept.dtype.kind == "u" else 1
-            expected = whole * blocks(voxels, step[space:], others, "f8")
-            assert expected.max() > 0 and kept.shape == expected.shape
-            assert np.abs(kept - expected).max() <= (0.5 + 1e-9 if whole > 1 else 1e-6)
-    print(i, *coarse.shape[:space - 1 if space else None:-1], *step[:space - 1 if space else None:-1])
+            voxels, found = fine[outer], coarse[outer]
+            if how == "mean":
+                expected = mean(voxels, step[space:])
+                tolerance = 0.5 + 1e-9 if found.dtype.kind in "iu" else 1e-6 * max(1, np.abs(expected).max())
+                assert found.shape == expected.shape, (found.shape, expected.shape)
+                assert np.abs(found.astype("f8") - expected).max() <= tolerance
+                kept = group[f"{spreads}/{dataset['path']}"][outer]
+                assert kept.dtype == kinds.get(fine.dtype.str[1:], "f4"), kept.dtype
+                expected = spread(voxels, step[space:])
+                tolerance = 0.5 + 1e-9 if kept.dtype.kind == "u" else 1e-6 * max(1, expected.max())
+                assert kept.shape == expected.shape
+                assert np.abs(kept.astype("f8") - expected).max() <= tolerance
+            else:
+                expected = extreme(voxels, step[space:], extremes[how]) if how in extremes else blocks(voxels, step[space:], mode)
+                assert np.array_equal(found, expected)
+            if how == "mode":
+                kept = group[f"{spreads}/{dataset['path']}"][outer]
+                assert kept.dtype == kinds.get(fine.dtype.str[1:], "f4"), kept.dtype
+                whole = np.iinfo(kept.dtype).max if kept.dtype.kind == "u" else 1
+                expected = whole * blocks(voxels, step[space:], others, "f8")
+                assert expected.max() > 0 and kept.shape == expected.shape
+                assert np.abs(kept - expected).max() <= (0.5 + 1e-9 if whole > 1 else 1e-6)
+        print(i, *coarse.shape[:space - 1 if space else None:-1], *step[:space - 1 if space else None:-1])
+
+
+for store, words in zip(sys.argv[1::2], sys.argv[2::2]):
+    try:
+        check(store, words)
+    except AssertionError:
+        print(f"{store} {words}:", file=sys.stderr)
+        raise
