@@ -1,19 +1,20 @@
 #!/usr/bin/env python3
 """Runs the real program on damaged inputs of every kind that it reads.
 
-  mutate.py PROGRAM [--seconds 60 | --count N] [--seed N] [--only KIND,...] [--keep FOLDER]
+  mutate.py PROGRAM [--count N] [--count-seed N] [--seconds 60] [--seed N] [--only KIND,...] [--keep FOLDER]
 
 Sound files are made first (seeds.py), then each is changed where its format has its joints: fields of
 a header, tags and lengths, JSON members, chunks that go missing, and bytes anywhere. After each
 change the program must end by itself: status 0 or 1, never a signal; within 5 seconds of processor
 time and a minute by the clock; with a peak of resident memory of at most --memory and 128 MB; with one
 line on standard error where it fails, all of it printable, that names one of the files; and without a
-picture that is not whole or a temporary file. The same seed makes the same mutations. What breaks a
-rule is printed with the file that did it, which is kept. With --count each file is changed so often,
-whatever time that takes; otherwise they take turns for --seconds (SLUICE_MUTATE_SECONDS). Exit status
-1 when a rule was broken, 77 when nothing could be tried.
+picture that is not whole or a temporary file. What breaks a rule is printed with the file that did it,
+which is kept. Each file is changed --count times, whatever time that takes; then they take turns for
+--seconds (SLUICE_MUTATE_SECONDS). The same seeds make the same mutations. Exit status 1 when a rule was
+broken, 77 when nothing could be tried.
 """
 import argparse
+import itertools
 import os
 import pathlib
 import random
@@ -114,6 +115,7 @@ def main():
     parser.add_argument("program")
     parser.add_argument("--seconds", type=float, default=float(os.environ.get("SLUICE_MUTATE_SECONDS", "60")))
     parser.add_argument("--count", type=int, default=0)
+    parser.add_argument("--count-seed", type=int, default=7)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--only", default="")
     parser.add_argument("--keep", default="mutate-failures")
@@ -124,6 +126,19 @@ def main():
         return mutate(program, work, options)
     finally:
         shutil.rmtree(work, ignore_errors=True)
+
+
+def turns(cases, options):
+    """The cases to change: (seed, number, case, generator)."""
+    generator = random.Random(options.count_seed)
+    for number in range(options.count * len(cases)):
+        yield options.count_seed, number, cases[number % len(cases)], generator
+    generator = random.Random(options.seed)
+    until = time.monotonic() + options.seconds
+    for number in itertools.count():
+        if time.monotonic() >= until:
+            return
+        yield options.seed, number, cases[number % len(cases)], generator
 
 
 def mutate(program, work, options):
@@ -152,14 +167,9 @@ def mutate(program, work, options):
     cases = [c for c in cases if c not in unread]
     if not cases:
         return 77
-    rng = random.Random(options.seed)
-    start = time.monotonic()
     tried, refused, broken = {}, {}, 0
     place = work / "bad"
-    turn = 0
-    while turn < options.count * len(cases) if options.count else time.monotonic() - start < options.seconds:
-        case = cases[turn % len(cases)]
-        turn += 1
+    for seed, number, case, rng in turns(cases, options):
         shutil.copytree(sound / case.name, place)
         names = names_of(place, case.arguments)
         if case.kind == "index":  # an index is of the very files that it was made of
@@ -171,7 +181,7 @@ def mutate(program, work, options):
         refused[case.kind] = refused.get(case.kind, 0) + (1 if status == 1 else 0)
         if faults:
             broken += 1
-            kept = pathlib.Path(options.keep) / f"{options.seed}-{turn}-{case.name}"
+            kept = pathlib.Path(options.keep) / f"{seed}-{number}-{case.name}"
             shutil.rmtree(kept, ignore_errors=True)
             shutil.copytree(place, kept)
             print(f"{case.name} ({said}): {'; '.join(sorted(set(faults)))}\n  {' '.join(case.arguments)}\n"
