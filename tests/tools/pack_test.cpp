@@ -282,7 +282,7 @@ TEST(PackCommand, killedOrInterruptedItGoesOnToTheSameBytes) {
     SCOPED_TRACE(signal);
     int stopped = 0;
     for (const int journal_bytes :
-         {1600, 4000, 6400}) {  // bytes of the journal for 343 chunks, 32 each
+         {960, 3200, 5600}) {  // bytes of the journal for 343 chunks, 32 each
       const CommandResult result = shell(
           // sh has its background jobs ignore SIGINT.
           program, "env --default-signal=INT " + line +
