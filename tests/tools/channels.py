@@ -4,7 +4,8 @@
   channels.py write            writes cells.ome.zarr, cells.ome.tif, flat.ome.zarr, deep.ome.zarr,
                                eight.ome.zarr, moving.ome.zarr, and plain.ome.tif and plain.tif, which have
                                no colours, into this folder
-  channels.py sum WHOLE PART.. prints the largest difference of WHOLE and the sum of the PARTs, in 1/255
+  channels.py sum WHOLE PART.. prints the largest difference of WHOLE and the sum of the PARTs, in 1/255; of several
+                               such lists with / between them a line each
   channels.py flat WHOLE       the same of WHOLE and the projection of flat.ome.zarr
   channels.py deep WHOLE       the same of WHOLE and deep.ome.zarr, blended
 """
@@ -111,8 +112,10 @@ def flat():
 if sys.argv[1] == 'write':
     write()
 elif sys.argv[1] == 'sum':
-    expected = np.minimum(sum(picture(name) for name in sys.argv[3:]), 255)
-    print(f'{np.abs(picture(sys.argv[2]) - expected).max():.3f} of {expected.max():.0f}')
+    for names in ' '.join(sys.argv[2:]).split(' / '):
+        whole, *parts = names.split()
+        expected = np.minimum(sum(picture(name) for name in parts), 255)
+        print(f'{np.abs(picture(whole) - expected).max():.3f} of {expected.max():.0f}')
 elif sys.argv[1] == 'deep':
     inner = (slice(1, -1), slice(1, -1))
     print(f'{np.abs(picture(sys.argv[2]) - deep())[inner].max():.3f} of {deep().max():.0f}')

@@ -6,6 +6,7 @@
 #include <array>
 #include <sstream>
 #include <string>
+#include <vector>
 
 #include "tests/tools/program.h"
 #include "tests/tools/script_files.h"
@@ -25,12 +26,20 @@ class Channels : public testing::Test {
   }
   // The largest difference of a picture and a sum, as the script prints it.
   double difference(const std::string& arguments, double least = 150) const {
-    std::istringstream line(python(arguments));
-    double most = -1, brightest = 0;
+    const std::vector<double> all = differences(arguments, least);
+    return all.size() == 1 ? all[0] : -1;
+  }
+  // The same of several lists, by one start of Python.
+  std::vector<double> differences(const std::string& arguments, double least = 150) const {
+    std::istringstream lines(python(arguments));
+    std::vector<double> all;
     std::string of;
-    line >> most >> of >> brightest;
-    EXPECT_GT(brightest, least) << arguments;
-    return most;
+    for (double most = 0, brightest = 0; lines >> most >> of >> brightest;) {
+      EXPECT_GT(brightest, least) << arguments;
+      all.push_back(most);
+    }
+    EXPECT_FALSE(all.empty()) << arguments;
+    return all;
   }
   void render(const std::string& arguments, const std::string& size = "200x160") const {
     const CommandResult result =

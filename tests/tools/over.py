@@ -2,7 +2,8 @@
 """A volume and others over it as NRRD files, written by NumPy, and differences of pictures.
 
   over.py write          writes scan.nrrd, spot.nrrd, turned.nrrd, labels.nrrd, and more
-  over.py compare A B..  prints the largest difference of A and the sum of the others, and A's brightest value
+  over.py compare A B..  prints the largest difference of A and the sum of the others, and A's brightest value; of
+                         several such lists with / between them a line each
   over.py hues PICTURE   prints how many of red, green and blue are the only bright one of 20 pixels or more
 """
 import sys
@@ -73,8 +74,10 @@ def picture(name):
 if sys.argv[1] == 'write':
     write()
 elif sys.argv[1] == 'compare':
-    first, others = picture(sys.argv[2]), sum(picture(name) for name in sys.argv[3:])
-    print(np.abs(first - np.minimum(others, 255)).max(), first.max())
+    for names in ' '.join(sys.argv[2:]).split(' / '):
+        name, *more = names.split()
+        first, others = picture(name), sum(picture(other) for other in more)
+        print(np.abs(first - np.minimum(others, 255)).max(), first.max())
 else:
     pixels = picture(sys.argv[2])
     print(sum(np.count_nonzero((pixels[..., c] > 100) & (pixels[..., (c + 1) % 3] < 20) &

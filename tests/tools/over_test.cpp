@@ -8,6 +8,8 @@
 #include <fstream>
 #include <map>
 #include <sstream>
+#include <string>
+#include <vector>
 
 #include "tests/tools/program.h"
 #include "tests/tools/script_files.h"
@@ -32,11 +34,19 @@ class Over : public testing::Test {
   // The largest difference of two pictures that show something, or of one and the sum of others.
   int difference(const std::string& first, const std::string& second,
                  const std::string& third = "") const {
-    std::istringstream line(python("compare " + first + " " + second + " " + third));
-    int most = -1, brightest = 0;
-    line >> most >> brightest;
-    EXPECT_GT(brightest, 60) << first;
-    return most;
+    const std::vector<int> all = differences(first + " " + second + " " + third);
+    return all.size() == 1 ? all[0] : -1;
+  }
+  // The same of several such lists with / between them, by one start of Python.
+  std::vector<int> differences(const std::string& lists) const {
+    std::istringstream lines(python("compare " + lists));
+    std::vector<int> all;
+    for (int most = 0, brightest = 0; lines >> most >> brightest;) {
+      EXPECT_GT(brightest, 60) << lists;
+      all.push_back(most);
+    }
+    EXPECT_FALSE(all.empty()) << lists;
+    return all;
   }
   std::string render(const std::string& arguments) const {
     const CommandResult result =
@@ -53,6 +63,8 @@ constexpr const char* kSide = " --view front --azimuth 30 --elevation 20";
 TEST_F(Over, gridAxesAndUnitsOfTheSecondVolumeMakeNoDifference) {
   // A crop and planes have other places on the second volume's grid, depths another unit.
   const std::string side = kSide;
+  std::vector<std::string> ways;
+  std::string lists;
   for (const std::string& options :
        {side, side + " --projection perspective", side + " --fit volume --zoom 1.7",
         side + " --crop 5,5,15,40,30,35",
@@ -61,12 +73,22 @@ TEST_F(Over, gridAxesAndUnitsOfTheSecondVolumeMakeNoDifference) {
         side + " --step 0.3", std::string("--eye 60,-200,80 --target 60,30,60 --zoom 2"),
         std::string("--eye 60,-200,80 --target 60,30,60 --projection perspective")}) {
     SCOPED_TRACE(options);
+    const std::string n = std::to_string(ways.size());
+    ways.push_back(options);
     for (const char* over : {"spot", "turned", "silent"})
-      render(fmt::format("scan.nrrd --over {0}.nrrd --combine add -o {0}.png {1}", over, options));
-    render("scan.nrrd -o alone.png " + options);
-    EXPECT_LE(difference("spot.png", "turned.png"), 1);
-    EXPECT_LE(difference("spot.png", "silent.png"), 1);
-    EXPECT_GT(difference("spot.png", "alone.png"), 20);
+      render(fmt::format("scan.nrrd --over {0}.nrrd --combine add -o {0}{1}.png {2}", over, n,
+                         options));
+    render(fmt::format("scan.nrrd -o alone{}.png {}", n, options));
+    lists += fmt::format(
+        "{1} spot{0}.png turned{0}.png / spot{0}.png silent{0}.png / spot{0}.png alone{0}.png", n,
+        lists.empty() ? "" : " /");
+  }
+  const std::vector<int> most = differences(lists);
+  ASSERT_EQ(most.size(), 3 * ways.size());
+  for (size_t i = 0; i < ways.size(); ++i) {
+    EXPECT_LE(most[3 * i], 1) << "turned, " << ways[i];
+    EXPECT_LE(most[3 * i + 1], 1) << "silent, " << ways[i];
+    EXPECT_GT(most[3 * i + 2], 20) << ways[i];
   }
 }
 
