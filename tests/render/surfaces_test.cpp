@@ -151,7 +151,7 @@ TEST_F(SurfacesTest, aSphereHasItsRadiusAndItsNormalsFromAllSides) {
   const auto source = distances();
   RenderScene scene(device(), *source, surfacesAlone({0, 70}, {{kRadius, 1}}),
                     {.block_vox = 8, .lit = true});
-  // Along an axis, from all eight octants, and from almost above and below.
+  // The views are along an axis, from all eight octants, and from almost above and below.
   for (const auto& [azimuth, elevation] : {std::pair(0.0, 0.0),
                                            {37.0, 55.0},
                                            {120.0, 30.0},

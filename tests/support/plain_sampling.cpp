@@ -129,7 +129,7 @@ double weighted(const Around& numbers, const std::array<AxisWeights, 3>& weights
     sum += numbers[i] * weights[0][i % 4] * weights[1][i / 4 % 4] * weights[2][i / 16];
   return sum;
 }
-// Of three texels by those weights, at the two texels around and interpolated between them.
+// The weights that three texels have at the two texels around, interpolated between these.
 AxisWeights alongAxis(double part, const std::array<double, 3>& three) {
   AxisWeights weights{};
   for (size_t i = 0; i < three.size(); ++i) {
