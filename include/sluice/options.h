@@ -140,7 +140,8 @@ struct ViewOptions {
 
 // A picture of a Renderer's volume and look.
 struct PictureOptions {
-  // Voxels, half-open: the part between the box's outer voxel planes is shown.
+  // Voxels, half-open: the part between the box's outer voxel planes is shown. One plane along an
+  // axis is shown one voxel thick, with its own values all through.
   struct Box {
     std::array<int64_t, 3> lo;
     std::array<int64_t, 3> hi;

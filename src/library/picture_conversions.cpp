@@ -57,12 +57,10 @@ Framing framingOf(const ViewOptions::Framing& given) {
 
 Box3 cropOf(const PictureOptions::Box& given, Vec3i dims) {
   const Box3 box{vec(given.lo), vec(given.hi)};
-  // Two voxel planes bound a cell, so a crop of one plane shows nothing.
-  const Box3 cells{box.lo, box.hi - Vec3i{1, 1, 1}};
-  if (box.empty() || cells.empty() || !boxOf(dims).contains(box))
+  if (box.empty() || !boxOf(dims).contains(box))
     failRequest(
-        "crop {},{},{} to {},{},{}: must hold two voxels along each axis and lie within the "
-        "volume's {} x {} x {}",
+        "crop {},{},{} to {},{},{}: must hold a voxel along each axis and lie within the volume's "
+        "{} x {} x {}",
         box.lo.x, box.lo.y, box.lo.z, box.hi.x, box.hi.y, box.hi.z, dims.x, dims.y, dims.z);
   return box;
 }

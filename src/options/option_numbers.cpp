@@ -42,9 +42,9 @@ class Visitor {
   }
   void operator()(OptionWholes& wholes) {
     for (int64_t& whole : wholes) (*this)(whole);
-    // The thinnest box that shows anything is two voxels wide.
+    // A box has a voxel along each axis.
     for (size_t a = 0; form_ == OptionForm::kBox && a < 3; ++a)
-      wholes[a + 3] = std::max(wholes[a + 3], wholes[a] + 2);
+      wholes[a + 3] = std::max(wholes[a + 3], wholes[a] + 1);
   }
   void operator()(std::vector<OptionReals>& lists) {
     for (size_t i = 0; i < lists.size(); ++i) {

@@ -25,8 +25,8 @@ struct OptionNumbers {
 OptionNumbers optionNumbers(const OptionKind& kind, const OptionValue& value);
 
 // The value with these numbers in place of its own; nullopt keeps one. Whole numbers are rounded.
-// Numbers that the option does not take together are changed: points stay in order, a box stays two
-// voxels wide, and a range without a width or a plane without a direction keeps its own.
+// Numbers that the option does not take together are changed: points stay in order, a box stays a
+// voxel wide, and a range without a width or a plane without a direction keeps its own.
 // Requires: as many numbers as optionNumbers() gives, each within the option's limits.
 OptionValue withNumbers(const OptionKind& kind, OptionValue value,
                         const std::vector<std::optional<double>>& numbers);

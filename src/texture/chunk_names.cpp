@@ -28,6 +28,8 @@ ChunkNameList ChunkNames::namesOf(const TexturePlan& plan) {
             block.at.x, block.at.y, block.at.z})
         recipe.push_back(number);
     }
+    for (size_t a = 0; a < plan.planes.size(); ++a)
+      if (plan.planes[a]) recipe.insert(recipe.end(), {static_cast<int64_t>(a), *plan.planes[a]});
     const auto [known, is_new] = names_.emplace(recipe, ChunkName(count_));
     count_ += is_new ? 1 : 0;
     names.push_back(known->second);

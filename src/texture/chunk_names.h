@@ -2,8 +2,8 @@
 // keeps its bytes at levels 3 and 4 (design, point 1).
 //
 // A recipe holds everything that the texels follow from: for each texture block the volume block,
-// the voxels copied, the turn and the place. Whole recipes are compared, not hashes of them. One
-// thread.
+// the voxels copied, the turn and the place; and the planes that all others repeat. Whole recipes
+// are compared, not hashes of them. One thread.
 #pragma once
 
 #include <cstdint>

@@ -29,8 +29,8 @@ void fill(T* to, int64_t count, T value) {
 
 // One number of each texel: those of `voxels`, to places kNumbers elements apart from `out` on.
 template <int kNumbers, class T>
-void copyTyped(const TextureBlock& block, const VolumeBlock& from, const T* voxels,
-               Vec3i storage_vox, Vec3i room, T* out) {
+void copyTyped(const TextureBlock& block, const VolumeBlock& from, const Box3& used,
+               const T* voxels, Vec3i storage_vox, Vec3i room, T* out) {
   const auto axes = textureAxes(block.trimming_axis);
   const Vec3i texels = block.texels(), have = from.voxels.size();
   const Vec3i strides{1, have.x, have.x * have.y};
@@ -39,19 +39,17 @@ void copyTyped(const TextureBlock& block, const VolumeBlock& from, const T* voxe
     const Vec3i at = block.at + texel;
     return at.x + at.y * texel_stride.y + at.z * texel_stride.z;
   };
-  // The nearest voxel that exists, relative to the volume block.
+  // The nearest voxel that is used, relative to the volume block.
   const auto clamped = [&](int axis, int64_t texel) {
-    return std::clamp(block.voxels.lo[axis] + texel, from.voxels.lo[axis],
-                      from.voxels.hi[axis] - 1) -
+    return std::clamp(block.voxels.lo[axis] + texel, used.lo[axis], used.hi[axis] - 1) -
            from.voxels.lo[axis];
   };
-  // Texels `first` to before `end` have voxels. The others lie outside the volume and repeat the
-  // nearest voxel.
+  // Texels `first` to before `end` have voxels. The others repeat the nearest voxel.
   Vec3i first, end;
   for (int a = 0; a < 3; ++a) {
     const int64_t lo = block.voxels.lo[axes[a]];
-    first[a] = std::clamp<int64_t>(from.voxels.lo[axes[a]] - lo, 0, texels[a]);
-    end[a] = std::clamp<int64_t>(from.voxels.hi[axes[a]] - lo, first[a], texels[a]);
+    first[a] = std::clamp<int64_t>(used.lo[axes[a]] - lo, 0, texels[a]);
+    end[a] = std::clamp<int64_t>(used.hi[axes[a]] - lo, first[a], texels[a]);
   }
   // The texture axis along which voxels lie side by side: unless it is x, the texels between first
   // and end are copied in planes.
@@ -94,7 +92,13 @@ void copyTyped(const TextureBlock& block, const VolumeBlock& from, const T* voxe
 }  // namespace
 
 void copyTextureBlock(const TextureBlock& block, const VolumeBlock& from, Vec3i storage_vox,
-                      Vec3i room, std::span<std::byte> out) {
+                      Vec3i room, std::span<std::byte> out, const VoxelPlanes& planes) {
+  Box3 used = from.voxels;
+  for (int a = 0; a < 3; ++a)
+    if (const auto plane = planes[static_cast<size_t>(a)]) {
+      used.lo[a] = std::clamp(*plane, from.voxels.lo[a], from.voxels.hi[a] - 1);
+      used.hi[a] = used.lo[a] + 1;
+    }
   SLUICE_CHECK_EQ(out.size(), static_cast<size_t>(volume(storage_vox) * from.numbers) *
                                   bytesPerVoxel(from.type));
   SLUICE_CHECK(boxOf(storage_vox).contains(Box3{block.at, block.at + room}));
@@ -103,12 +107,12 @@ void copyTextureBlock(const TextureBlock& block, const VolumeBlock& from, Vec3i 
     const auto* const voxels = reinterpret_cast<const T*>(from.bytes.get());
     T* const to = reinterpret_cast<T*>(out.data());
     if (from.numbers == 1) {
-      copyTyped<1>(block, from, voxels, storage_vox, room, to);
+      copyTyped<1>(block, from, used, voxels, storage_vox, room, to);
     } else {
-      copyTyped<2>(block, from, voxels, storage_vox, room, to);
+      copyTyped<2>(block, from, used, voxels, storage_vox, room, to);
       // A volume block keeps its spreads behind all means. A texel has its spread next to its mean,
       // so that one look-up fetches both.
-      copyTyped<2>(block, from, voxels + from.voxels.count(), storage_vox, room, to + 1);
+      copyTyped<2>(block, from, used, voxels + from.voxels.count(), storage_vox, room, to + 1);
     }
   });
 }

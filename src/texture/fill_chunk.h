@@ -15,11 +15,12 @@ namespace sluice {
 // storage is `storage_vox` texels, x fastest, and clears the rest of `room`: of the texels that are
 // this block's to write, from block.at on. Voxels outside the volume repeat the boundary: the
 // clamped neighbours that central differences want; padding is never sampled but with weight 0,
-// where it must be a number. The spreads of a volume block that has some go beside the means.
+// where it must be a number. The spreads of a volume block that has some go beside the means. All
+// voxel planes have the values of those of `planes`, as far as the volume block has these.
 // Requires: out.size() == volume(storage_vox) * numbers a voxel * bytes of a number; room within
 // the storage.
 void copyTextureBlock(const TextureBlock& block, const VolumeBlock& from, Vec3i storage_vox,
-                      Vec3i room, std::span<std::byte> out);
+                      Vec3i room, std::span<std::byte> out, const VoxelPlanes& planes = {});
 
 // The texels of a chunk divided among its blocks: the part that each fills from its place on, in
 // the order of chunk.blocks. Together they are the whole storage, once.

@@ -18,6 +18,7 @@ struct TextureBuffer::Filling {
   TextureBlock block;
   Vec3i room;  // the texels from block.at on that it fills
   EntryPtr into;
+  VoxelPlanes planes;  // of the block's level
 };
 
 // Constant from begin() to finish(), but for `next`.
@@ -74,7 +75,8 @@ TextureBuffer::EntryPtr TextureBuffer::publish(const TexturePlan& plan, const Ch
   EntryPtr entry = chunks_.publish(name, texels->byte_count);
   entry->note = {texels, chunk.blocks.size()};
   for (size_t i = 0; i < rooms.size(); ++i)
-    fillings.push_back({plan.blocks[chunk.blocks[i]], rooms[i], entry});
+    fillings.push_back({plan.blocks[chunk.blocks[i]], rooms[i], entry,
+                        plan.planesOf(plan.blocks[chunk.blocks[i]])});
   return entry;
 }
 
@@ -273,7 +275,7 @@ void TextureBuffer::work(Batch& batch) {
     // All of this run under one lock: as soon as its last filling is settled, finish() may clear
     // the list.
     for (size_t at = run.from; at < run.to; ++at) {
-      const auto& [block, room, into] = batch.fillings[at];
+      const auto& [block, room, into, planes] = batch.fillings[at];
       const ChunkTexels& texels = *into->note.texels;
       if (failure && !into->note.failure) into->note.failure = failure;
       if (!failure) {
@@ -308,7 +310,7 @@ void TextureBuffer::fill(Batch& batch, const ReadRun& run) {
         std::lower_bound(run.blocks.begin(), run.blocks.end(), filling.block.name.block);
     copyTextureBlock(filling.block, *blocks[static_cast<size_t>(found - run.blocks.begin())],
                      filling.into->note.texels->storage_vox, filling.room,
-                     filling.into->note.texels->span());
+                     filling.into->note.texels->span(), filling.planes);
   }
   if (tally != nullptr) tally->copy_ns += static_cast<int64_t>(watch.seconds() * 1e9);
 }

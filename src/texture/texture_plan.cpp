@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <map>
 #include <tuple>
 
@@ -378,12 +379,22 @@ int64_t clusterCapacity(const PyramidLayout& pyramid, const VisibleBlocks& visib
   return capacity_blocks;
 }
 
+VoxelPlanes TexturePlan::planesOf(const TextureBlock& block) const {
+  const LevelPlacement& level = pyramid.of(block.name).placement;
+  VoxelPlanes of_level = planes;
+  for (int a = 0; a < 3; ++a)
+    if (auto& plane = of_level[static_cast<size_t>(a)])
+      plane = std::llround((static_cast<double>(*plane) - level.offset[a]) / level.scale[a]);
+  return of_level;
+}
+
 TexturePlan planTextures(const PyramidLayout& pyramid, const VisibleBlocks& visible,
                          const PageGeometry& page, const PlanOptions& options) {
   const int64_t capacity_blocks = clusterCapacity(pyramid, visible, page);
   TexturePlan plan;
   plan.pyramid = pyramid;
   plan.page = page;
+  plan.planes = options.planes;
   addBlocks(plan, visible, options);
   if (options.clusters != nullptr)
     groupAs(*options.clusters, plan);

@@ -87,9 +87,14 @@ struct VisitGrid {
   Vec3i indexOf(Vec3i cell) const { return min(cell / width, count - Vec3i{1, 1, 1}); }
 };
 
+// The number of the one voxel plane along each axis whose values all planes have; unset: each plane
+// has its own.
+using VoxelPlanes = std::array<std::optional<int64_t>, 3>;
+
 struct TexturePlan {
   PyramidLayout pyramid;
   PageGeometry page;
+  VoxelPlanes planes;    // of the finest level
   Vec3i cluster_blocks;  // u, v, 1; of blocks of several levels 1, 1, 1
   // Grids from coarse to fine, each cell of one made of whole cells of the next: the grids of the
   // blocks' levels, and the grids whose cells the clusters are.
@@ -101,6 +106,8 @@ struct TexturePlan {
   const BlockLayout& layout() const { return pyramid.finest(); }
   // How many blocks of seams follow a block, whose they are.
   int64_t seamsOf(BlockPosition block) const;
+  // `planes` among the voxels of a block's level: the nearest ones.
+  VoxelPlanes planesOf(const TextureBlock& block) const;
   // Numbers a texel of a chunk, all of whose blocks are of one level.
   int numbersOf(const Chunk& chunk) const {
     return pyramid.of(blocks[chunk.blocks.front()].name).numbers;
@@ -123,6 +130,7 @@ struct PlanOptions {
   // their levels in common with this one (levelsInCommon()), and no cluster of it has more blocks
   // than the texture cache holds; null: they follow from the blocks.
   const TexturePlan* clusters = nullptr;
+  VoxelPlanes planes = {};  // TexturePlan::planes
 };
 
 // Whether an algorithm loads blocks whole, and not trimmed.

@@ -130,16 +130,28 @@ TEST(EmptyPicture, ofSeveralHasOneLineAndTheReportEachReason) {
     EXPECT_THAT(report["frames"][i]["empty"].get<std::string>(), HasSubstr("crop box"));
 }
 
-TEST(EmptyPicture, aCropOfOneVoxelPlaneIsRefused) {
+TEST(EmptyPicture, aCropOfOneVoxelPlaneShowsIt) {
   const Program program;
-  for (const char* mode : {"composite", "mip"}) {
+  for (const char* options : {"composite", "mip", "minip", "composite --iso 90", "mip --device gl",
+                              "composite --partition boxes", "composite --labels"}) {
     const CommandResult result =
         program.run(std::string("render ") + kSmall +
-                    " -o a.png --crop 0,0,5,48,40,6 --threshold 90 --mode " + mode);
-    EXPECT_EQ(result.status, 2);
-    EXPECT_THAT(result.output, HasSubstr("a single voxel plane has no thickness"));
-    EXPECT_FALSE(program.exists("a.png"));
+                    " -o a.png --force --crop 0,0,15,48,40,16 --mode " + options);
+    EXPECT_EQ(result.status, 0) << result.output;
+    EXPECT_EQ(warnings(result.output), 0) << result.output;
   }
+  // The first plane and the last one have a neighbour on one side alone.
+  for (const char* crop : {"0,0,0,48,40,1", "0,39,0,48,40,32", "47,0,0,48,40,32"})
+    EXPECT_EQ(program
+                  .run(fmt::format("render {} -o b.png --force --threshold 0 --crop {} --verify",
+                                   kSmall, crop))
+                  .status,
+              0)
+        << crop;
+  const CommandResult none =
+      program.run(std::string("render ") + kSmall + " -o c.png --crop 0,0,5,48,40,5");
+  EXPECT_EQ(none.status, 2);
+  EXPECT_THAT(none.output, HasSubstr("each upper one above the lower"));
 }
 
 }  // namespace

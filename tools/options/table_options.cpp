@@ -133,8 +133,7 @@ std::string expectedOf(const auto& entry) {
     case OptionForm::kColor:
       return "six hexadecimal digits RRGGBB";
     case OptionForm::kBox:
-      return "six whole numbers X0,Y0,Z0,X1,Y1,Z1 from 0 to 2^40, each upper one at least 2 above "
-             "the lower, since a single voxel plane has no thickness";
+      return "six whole numbers X0,Y0,Z0,X1,Y1,Z1 from 0 to 2^40, each upper one above the lower";
     case OptionForm::kChannels:
       return "a channel and its colour, perhaps a range of values and an opacity from 0 to 1, such "
              "as 0:green,400:3000,0.1";

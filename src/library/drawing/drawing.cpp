@@ -96,14 +96,15 @@ Drawing::Points Drawing::shownPoints(const FrameOptions& options, const TimeStep
     }
     if (opened_->in_situ == nullptr)
       return visiblePoints({std::move(volumes), options, this_step}, pass);
+    const Vec3i dims = layout().dims;
+    const Box3 cells =
+        intersect(cropCells(options, dims), cropCells(opened_->in_situ->ownVoxels(), dims));
     FrameOptions own = options;
-    own.crop =
-        intersect(options.crop.value_or(boxOf(layout().dims)), opened_->in_situ->ownVoxels());
+    own.crop = Box3{cells.lo, cells.hi + Vec3i{1, 1, 1}};
     // Every rank takes part in the exchange, even if the crop leaves it nothing: the others wait
     // for it.
-    return pointsOfRanks(cropCells(own, layout().dims).empty()
-                             ? std::vector<Vec3d>()
-                             : visiblePoints({std::move(volumes), own, this_step}, pass));
+    return pointsOfRanks(cells.empty() ? std::vector<Vec3d>()
+                                       : visiblePoints({std::move(volumes), own, this_step}, pass));
   });
 }
 

@@ -258,6 +258,7 @@ std::optional<VoxelProbe> probeAlong(const ProbeRequest& request, Session& sessi
   const double first = request.transfer.colors.front().value;
   const double span = request.transfer.colors.back().value - first;
   double in_front = 0;  // attenuated: the integral over the way so far
+  const VoxelPlanes planes = planesOf(request.options.crop);
   Values values(session, step);
   double through = 1, most = composite ? 0 : -std::numeric_limits<double>::infinity();
   std::optional<VoxelProbe> found;
@@ -275,7 +276,14 @@ std::optional<VoxelProbe> probeAlong(const ProbeRequest& request, Session& sessi
       last.reset();
       continue;
     }
-    const double value = values.at(max(index, Vec3d{0, 0, 0}));
+    const auto shownAt = [&](Vec3d place) {
+      // A plane that is drawn one voxel thick has its values all through.
+      for (int a = 0; a < 3; ++a)
+        if (const auto plane = planes[static_cast<size_t>(a)])
+          place[a] = static_cast<double>(*plane);
+      return max(place, Vec3d{0, 0, 0});
+    };
+    const double value = values.at(shownAt(index));
     if (std::isnan(value)) {
       last.reset();
       continue;
@@ -283,7 +291,7 @@ std::optional<VoxelProbe> probeAlong(const ProbeRequest& request, Session& sessi
     // A surface is met between two samples, so the one before a stretch that was skipped is read
     // after all.
     if (!last && !request.transfer.surfaces.empty())
-      last = values.at(max(index - ray.direction * along, Vec3d{0, 0, 0}));
+      last = values.at(shownAt(index - ray.direction * along));
     double weight = least ? -value : value;
     if (attenuated) {
       // The same weight as the device's attenuated mode: a value counts by its place in the range,
@@ -308,7 +316,7 @@ std::optional<VoxelProbe> probeAlong(const ProbeRequest& request, Session& sessi
       most = weight;
       const Vec3d world = worldFromIndex(layout, index);
       found = VoxelProbe{{index.x, index.y, index.z}, {world.x, world.y, world.z}, value};
-      met = max(index, Vec3d{0, 0, 0});
+      met = shownAt(index);
     }
     if (composite && through < kHidden) break;
   }

@@ -73,7 +73,9 @@ struct FrameOptions {
   // The depths that such colours span, in place of those that follow from the points.
   std::optional<std::array<double, 2>> shown_depths = {};
   std::optional<CutOptions> cut;  // unset: the finest level alone is drawn
-  std::optional<Box3> crop;       // voxels; the part between its outer voxel planes is shown
+  // Voxels; the part between the outer voxel planes is shown. One plane along an axis has no part
+  // between: it is shown one voxel thick (planesOf()).
+  std::optional<Box3> crop;
   std::vector<WorldPlane> clip_planes;
   Algorithm algorithm = Algorithm::kMerged;
   MergeOrder merge_order = MergeOrder::kPaper;
@@ -129,11 +131,29 @@ inline bool colorsByDepth(const FrameOptions& options) {
   return traits.codes_depth || (traits.has_colors && options.depth_cueing > 0);
 }
 
-// The cells that a crop lets show: those between its outer voxel planes.
+// The planes that are a crop's only one along an axis.
+inline VoxelPlanes planesOf(const std::optional<Box3>& crop) {
+  VoxelPlanes planes;
+  for (int a = 0; crop && a < 3; ++a)
+    if (crop->hi[a] - crop->lo[a] == 1) planes[static_cast<size_t>(a)] = crop->lo[a];
+  return planes;
+}
+
+// The cells that a crop lets show: those between its outer voxel planes. One plane has those up to
+// the next plane, and the last one those from the plane before it; all of each cell shows the
+// values of the one plane.
 inline Box3 cropCells(const std::optional<Box3>& crop, Vec3i dims) {
   const Box3 all = boxOf(dims - Vec3i{1, 1, 1});
   if (!crop) return all;
-  return intersect({crop->lo, crop->hi - Vec3i{1, 1, 1}}, all);
+  Box3 cells{crop->lo, crop->hi - Vec3i{1, 1, 1}};
+  const VoxelPlanes planes = planesOf(crop);
+  for (int a = 0; a < 3; ++a) {
+    const auto plane = planes[static_cast<size_t>(a)];
+    if (!plane) continue;
+    if (*plane == dims[a] - 1) --cells.lo[a];
+    cells.hi[a] = cells.lo[a] + 1;
+  }
+  return intersect(cells, all);
 }
 inline Box3 cropCells(const FrameOptions& options, Vec3i dims) {
   return cropCells(options.crop, dims);

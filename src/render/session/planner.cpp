@@ -86,11 +86,14 @@ FramePlanPtr Planner::plan(const TimeStep& step, const VisibleBlocksPtr& visible
                            const FrameOptions& options, const TexturePlanPtr& clusters) {
   // The clusters are part of the key, as a plan of one medium has the clusters of all channels.
   const Box3 crop = cropCells(options, step.ranges->layout.dims);
-  return plan_.of({step, visible, options.algorithm, options.merge_order, crop, clusters}, [&] {
-    return makeFramePlan(step, *visible, page_,
-                         {options.algorithm, options.merge_order, step.time, crop, clusters.get()},
-                         names_);
-  });
+  const VoxelPlanes planes = planesOf(options.crop);
+  return plan_.of(
+      {step, visible, options.algorithm, options.merge_order, crop, planes, clusters}, [&] {
+        return makeFramePlan(
+            step, *visible, page_,
+            {options.algorithm, options.merge_order, step.time, crop, clusters.get(), planes},
+            names_);
+      });
 }
 
 FramePlanPtr Planner::planFor(const TimeStep& step, const TransferPtr& transfer,

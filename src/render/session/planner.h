@@ -90,6 +90,7 @@ class Planner {
     Algorithm algorithm;
     MergeOrder merge_order;
     Box3 crop;
+    VoxelPlanes planes;
     Identity<TexturePlan> clusters;
     friend bool operator==(const PlanKey&, const PlanKey&) = default;
   };

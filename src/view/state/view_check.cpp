@@ -78,10 +78,9 @@ class Check {
   void operator()(const OptionWholes& n) const {
     if (kind_.form != OptionForm::kBox) return eachWithin(n);
     for (size_t a = 0; a < 3; ++a)
-      require(
-          n[a] >= 0 && n[a] <= kMostAlongAxis && n[a + 3] >= n[a] + 2 && n[a + 3] <= kMostAlongAxis,
-          field_, "voxels from 0 to 2^40, each upper one at least 2 above the lower",
-          fmt::format("[{}, {}, {}] to [{}, {}, {}]", n[0], n[1], n[2], n[3], n[4], n[5]));
+      require(n[a] >= 0 && n[a] <= kMostAlongAxis && n[a + 3] > n[a] && n[a + 3] <= kMostAlongAxis,
+              field_, "voxels from 0 to 2^40, each upper one above the lower",
+              fmt::format("[{}, {}, {}] to [{}, {}, {}]", n[0], n[1], n[2], n[3], n[4], n[5]));
   }
   void operator()(const std::vector<std::string>& looks) const {
     if (kind_.form == OptionForm::kSurfaces) return surfaces(looks);
@@ -200,7 +199,7 @@ std::optional<ViewFault> faultOf(const ViewState& state, const VolumeInfo& volum
                    fmt::format("a time step from 0 to {}", volume.time_steps - 1), state.time);
   const auto& dims = volume.dims;
   for (size_t a = 0; a < 3; ++a) {
-    // The lower corner needs no check of its own, since each upper one is at least 2 above it
+    // The lower corner needs no check of its own, since each upper one is above it
     // (Check).
     if (state.crop)
       findings.require(state.crop->hi[a] <= dims[a], fmt::format("/crop/{}", a + 3),

@@ -30,7 +30,10 @@ int finestLevelOf(const Scene& scene, const Layer& layer, const TimeStep& step, 
 // The distance between slices of a layer for which nobody sets one.
 double chosenStepOf(const Scene& scene, const Layer& layer, const TimeStep& step, const View& view,
                     const FrameOptions& options) {
-  const int level = finestLevelOf(scene, layer, step, view, options);
+  // One plane is drawn a finest voxel thick at any level: wider steps would pass it.
+  const int level = planesOf(options.crop) != VoxelPlanes()
+                        ? 0
+                        : finestLevelOf(scene, layer, step, view, options);
   // At the edge of a body, light changes faster from slice to slice than values do, which shows as
   // rings. Frames of a moving picture that shows coarser levels have no time for more slices.
   constexpr double kLitFactor = 0.5;

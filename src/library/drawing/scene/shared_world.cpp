@@ -36,6 +36,12 @@ Vec3d indexIn(const VolumeLayout& to, const VolumeLayout& from, Vec3d index) {
   return indexFromWorld(to, positionOn(to, from, worldFromIndex(from, index)));
 }
 
+// The voxels around the cells that a crop shows.
+Box3 shownVoxels(const VolumeLayout& layout, const Box3& crop) {
+  const Box3 cells = cropCells(crop, layout.dims);
+  return cells.empty() ? crop : Box3{cells.lo, cells.hi + Vec3i{1, 1, 1}};
+}
+
 // The planes through the outer voxels of the crop.
 std::vector<WorldPlane> sidesOf(const VolumeLayout& layout, const Box3& crop) {
   std::vector<WorldPlane> sides;
@@ -101,11 +107,11 @@ Camera cameraOn(const VolumeLayout& to, const VolumeLayout& from, const Camera& 
 std::optional<Box3> cropOn(const VolumeLayout& to, const VolumeLayout& from,
                            const std::optional<Box3>& crop) {
   // The same numbers, without rounding.
-  if (!crop || isSamePlace(to, from)) return crop;
+  if (!crop || isSameGrid(to, from)) return crop;
   const double far = std::numeric_limits<double>::infinity();
   // The box around the turned crop: its sides cut exactly, as planes (sidesOf()).
   Vec3d lo{far, far, far}, hi = -lo;
-  for (const Vec3d& corner : cornersOf(*crop)) {
+  for (const Vec3d& corner : cornersOf(shownVoxels(from, *crop))) {
     const Vec3d index = indexIn(to, from, corner);
     lo = min(lo, index);
     hi = max(hi, index);
@@ -118,7 +124,9 @@ std::optional<Box3> cropOn(const VolumeLayout& to, const VolumeLayout& from,
     box.lo[a] = static_cast<int64_t>(std::floor(std::clamp(lo[a] + kRounding, 0.0, most)));
     box.hi[a] = static_cast<int64_t>(std::ceil(std::clamp(hi[a] - kRounding, -1.0, most - 1))) + 1;
   }
-  return box.empty() ? Box3{} : box;
+  // One plane of another grid is no plane of this crop.
+  const Vec3i size = box.size();
+  return std::min({size.x, size.y, size.z}) < 2 ? Box3{} : box;
 }
 
 double stepOn(const VolumeLayout& from, const VolumeLayout& to, double step_vox) {
@@ -134,7 +142,8 @@ FrameOptions frameOn(const VolumeLayout& to, const VolumeLayout& from, const Fra
   own.step_vox = std::max(stepOn(to, from, frame.step_vox), std::min(frame.step_vox, kFinestStep));
   std::vector<WorldPlane> planes = frame.clip_planes;
   if (frame.crop)
-    for (const WorldPlane& side : sidesOf(from, *frame.crop)) planes.push_back(side);
+    for (const WorldPlane& side : sidesOf(from, shownVoxels(from, *frame.crop)))
+      planes.push_back(side);
   for (WorldPlane& plane : planes)
     plane = {directionOn(to, from, plane.normal), plane.offset * worldScale(from, to)};
   own.clip_planes = std::move(planes);

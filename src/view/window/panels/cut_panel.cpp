@@ -14,12 +14,12 @@ PictureOptions::Box boxOf(const WindowState& window) {
   return window.state().crop.value_or(PictureOptions::Box{{0, 0, 0}, window.info().dims});
 }
 
-// At least two voxel planes stay; a box of all is none.
+// At least one voxel plane stays; a box of all is none.
 void setBox(WindowState& window, PictureOptions::Box box) {
   const auto& dims = window.info().dims;
   for (size_t a = 0; a < 3; ++a) {
-    box.lo[a] = std::clamp<int64_t>(box.lo[a], 0, std::max<int64_t>(0, dims[a] - 2));
-    box.hi[a] = std::clamp<int64_t>(box.hi[a], std::min(box.lo[a] + 2, dims[a]), dims[a]);
+    box.lo[a] = std::clamp<int64_t>(box.lo[a], 0, dims[a] - 1);
+    box.hi[a] = std::clamp<int64_t>(box.hi[a], box.lo[a] + 1, dims[a]);
   }
   ViewState next = window.state();
   const PictureOptions::Box all{{0, 0, 0}, dims};
