@@ -21,6 +21,7 @@ namespace {
 
 class SliceStack final : public VolumeSource,
                          public ChanneledSource,
+                         public TimedSource,
                          public LeveledSource,
                          public UnitSource,
                          public StoredSource {
@@ -43,6 +44,9 @@ class SliceStack final : public VolumeSource,
   std::string identity() const override { return identity_; }
   std::span<const std::string> channelNames() const override { return format_.order.channel_names; }
   std::span<const StoredLook> channelLooks() const override { return format_.order.channel_looks; }
+  std::optional<TimeAxis> times() const override {
+    return layout_.time_steps > 1 ? format_.order.times : std::nullopt;
+  }
   std::span<const CoarserLevel> levelsAbove() const override { return levels_above_; }
   uint64_t storedBytesRead() const override { return pool_.storedBytesRead(); }
   std::vector<std::string> files() override {

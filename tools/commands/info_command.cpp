@@ -7,6 +7,7 @@
 
 #include "src/base/sources/level_kinds.h"
 #include "src/base/sources/volume_levels.h"
+#include "src/base/sources/volume_times.h"
 #include "src/base/values/bytes.h"
 #include "src/library/opening/thick_source.h"
 #include "src/volume/ranges/slice_ranges.h"
@@ -110,6 +111,15 @@ std::string orientationText(const VolumeLayout& layout) {
   return "orientation not said";
 }
 
+// ", 2.5 second apart, the first at 10".
+std::string timesText(const VolumeSource& source) {
+  const std::optional<TimeAxis> times = timesOf(source);
+  if (!times) return "";
+  const auto& [step, start, unit] = *times;
+  return fmt::format(", {:g}{} apart, the first at {:g}", step, unit.empty() ? "" : " " + unit,
+                     start);
+}
+
 // A value with the digits that the file's type and scale give it, and none of the rounding.
 std::string valueText(const VolumeLayout& layout, double value) {
   if (layout.type == VoxelType::kF32) return fmt::format("{:.9g}", value);
@@ -134,8 +144,9 @@ void print(const IndexedVolume& volume, const ChosenLook& look) {
   say("{}\n", layout.name);
   say("  {} x {} x {} voxels, {}, {} a time step\n", dims.x, dims.y, dims.z, name(layout.type),
       formatBytes(voxels * bytesPerVoxel(layout.type)));
-  say("  spacing {:.6g} x {:.6g} x {:.6g}, {} time step{}\n", layout.spacing.x, layout.spacing.y,
-      layout.spacing.z, layout.time_steps, layout.time_steps == 1 ? "" : "s");
+  say("  spacing {:.6g} x {:.6g} x {:.6g}, {} time step{}{}\n", layout.spacing.x, layout.spacing.y,
+      layout.spacing.z, layout.time_steps, layout.time_steps == 1 ? "" : "s",
+      timesText(*volume.source));
   const WorldBounds bounds = worldBounds(volume.source->layout());
   const auto triple = [](Vec3d v) { return fmt::format("{:g}, {:g}, {:g}", v.x, v.y, v.z); };
   say("  from ({}) to ({}){}, origin ({})\n", triple(bounds.lo), triple(bounds.hi),

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "io/web/address.h"
+#include "src/base/sources/volume_times.h"
 #include "src/base/threads/clock.h"
 #include "src/base/values/corners.h"
 #include "src/library/opening/thick_source.h"
@@ -183,6 +184,13 @@ std::string uprightHint(const VolumeLayout& layout) {
   return "";
 }
 
+// Null: the file does not tell them.
+static json timesJson(const VolumeSource& source) {
+  const std::optional<TimeAxis> times = timesOf(source);
+  if (!times) return {};
+  return {{"step", times->step}, {"start", times->start}, {"unit", times->unit}};
+}
+
 json volumeJson(const IndexedVolume& volume) {
   const VolumeLayout& layout = storedLayout(*volume.source);
   const ValueRange range = volume.finiteRange();
@@ -207,6 +215,7 @@ json volumeJson(const IndexedVolume& volume) {
           {"notes", drawn.notes},
           {"place_fault", layout.place_fault},
           {"time_steps", layout.time_steps},
+          {"times", timesJson(*volume.source)},
           {"value_range", {range.lo, range.hi}},
           {"values_level", values_level},
           {"sample", volume.sample ? json(volume.sample->part) : json()},

@@ -29,6 +29,15 @@ std::optional<ValueRange> windowOf(const JsonField& field) {
   return window.lo < window.hi ? std::optional(window) : std::nullopt;
 }
 
+// The numbers between which viewers let users choose a window.
+std::optional<ValueRange> limitsOf(const JsonField& field) {
+  if (!field.isObject()) return std::nullopt;
+  const auto least = field.find("min"), most = field.find("max");
+  if (!least || !most || !least->isNumber() || !most->isNumber()) return std::nullopt;
+  const ValueRange limits{least->number(), most->number()};
+  return limits.lo < limits.hi ? std::optional(limits) : std::nullopt;
+}
+
 // Whether a window has an end, but no two numbers of a range.
 bool saysRange(const JsonField& field) {
   if (!field.isObject()) return !field.isNull();
@@ -64,7 +73,8 @@ std::vector<StoredLook> omeroLooks(const JsonField& omero) {
     StoredLook& look = looks.emplace_back();
     if (!channel.isObject()) continue;
     if (const auto color = channel.find("color")) look.color = colorOf(*color);
-    if (const auto window = channel.find("window")) look.window = windowOf(*window);
+    if (const auto window = channel.find("window"))
+      look.window = windowOf(*window), look.limits = limitsOf(*window);
     if (const auto active = channel.find("active"); active && active->isFlag())
       look.is_active = active->flag();
     if (const auto inverted = channel.find("inverted"); inverted && inverted->isFlag())

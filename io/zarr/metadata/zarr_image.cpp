@@ -267,6 +267,20 @@ std::vector<Role> rolesByNumber(size_t axes, bool channel_wanted) {
   }
 }
 
+// The times of the steps, as far as the axis of time tells them.
+void placeSteps(const ZarrImage& image, ZarrView& view) {
+  if (!view.time || view.layout.time_steps < 2) return;
+  const size_t axis = *view.time;
+  TimeAxis times;
+  if (!image.axes.empty()) times.unit = printable(image.axes[axis].unit);
+  if (!image.scale.empty()) {
+    times.step = image.scale[axis];
+    times.start = image.translation[axis];
+  }
+  const bool is_valid = std::isfinite(times.start) && std::isfinite(times.step) && times.step > 0;
+  if (is_valid && times != TimeAxis()) view.times = times;
+}
+
 void place(const ZarrImage& image, const std::string& path, ZarrView& view) {
   const auto unitOf = [&](size_t a) {
     return image.axes.empty() ? std::string() : lengthUnit(image.axes[view.space[a]].unit);
@@ -303,6 +317,7 @@ void place(const ZarrImage& image, const std::string& path, ZarrView& view) {
         scale[a] < 0 ? -directions[static_cast<size_t>(a)] : directions[static_cast<size_t>(a)];
   }
   setOrigin(path, origin, layout);
+  placeSteps(image, view);
   setValueScale(path, image.value_scale, image.value_offset, layout);
 }
 

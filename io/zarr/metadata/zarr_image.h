@@ -23,6 +23,7 @@
 #include "src/base/sources/volume_channels.h"
 #include "src/base/sources/volume_levels.h"
 #include "src/base/sources/volume_source.h"
+#include "src/base/sources/volume_times.h"
 
 namespace sluice {
 
@@ -87,6 +88,7 @@ struct ZarrView {
   VolumeLayout layout;            // all but the name
   std::array<size_t, 3> space{};  // the array's axes that are x, y and z
   std::optional<size_t> time, channel;
+  std::optional<TimeAxis> times;  // unset: not told, or one step
 };
 
 // Without names the axes are taken as z y x, t z y x and t c z y x; of four the first is the

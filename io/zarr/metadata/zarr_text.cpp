@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -58,8 +59,10 @@ std::string hexOf(const std::array<double, 3>& color) {
   return text;
 }
 
-// The window in the form that viewers expect: with the limits of the values.
-ordered_json windowOf(const ValueRange& window, const VolumeLayout& layout) {
+// The window in the form that viewers expect: with the limits that they had, or else those of the
+// values.
+ordered_json windowOf(const StoredLook& look, const VolumeLayout& layout) {
+  const ValueRange window = *look.window;
   ValueRange limits = layout.stored_range.value_or(window);
   visitVoxelType(layout.type, [&](auto tag) {
     using T = decltype(tag);
@@ -67,6 +70,7 @@ ordered_json windowOf(const ValueRange& window, const VolumeLayout& layout) {
       limits = {static_cast<double>(std::numeric_limits<T>::min()),
                 static_cast<double>(std::numeric_limits<T>::max())};
   });
+  limits = look.limits.value_or(limits);
   return {{"min", limits.lo}, {"max", limits.hi}, {"start", window.lo}, {"end", window.hi}};
 }
 
@@ -82,7 +86,7 @@ ordered_json omero(const ZarrChannelsText& text, const VolumeLayout& layout) {
                         {"active", look.is_active}});
     if (look.color) channels.back()["color"] = hexOf(*look.color);
     if (look.is_inverted) channels.back()["inverted"] = true;
-    if (look.window) channels.back()["window"] = windowOf(*look.window, layout);
+    if (look.window) channels.back()["window"] = windowOf(look, layout);
   }
   return {{"channels", channels}};
 }
@@ -202,23 +206,27 @@ std::string zarrImageText(const VolumeLayout& layout, const std::string& name,
                           const ZarrChannelsText& channels, const ZarrLevelsText& levels,
                           ZarrFormat format) {
   ordered_json axes = ordered_json::array();
-  size_t others = 0;  // axes that are not of space
+  const TimeAxis times = levels.times.value_or(TimeAxis());
+  std::vector<std::array<double, 2>> others;  // scale and place of axes that are not of space
   for (const std::string& name : zarrAxisNames(layout, channels.names.size())) {
     const bool is_time = name == "t", is_space = !is_time && name != "c";
     axes.push_back(axis(name,
                         is_time    ? "time"
                         : is_space ? "space"
                                    : "channel",
-                        is_space ? layout.unit : ""));
-    others += is_space ? 0 : 1;
+                        is_space  ? layout.unit
+                        : is_time ? times.unit
+                                  : ""));
+    // OME-Zarr wants numbers for each axis, also for channels, which have no length.
+    if (is_time) others.push_back({times.step, times.start});
+    if (name == "c") others.push_back({1, 0});
   }
   ordered_json datasets = ordered_json::array();
   const auto addLevel = [&](const LevelPlacement& place) {
     ordered_json scale = ordered_json::array(), translation = ordered_json::array();
-    // OME-Zarr wants a number for each axis, also for those without a length.
-    for (size_t i = 0; i < others; ++i) {
-      scale.push_back(1.0);
-      translation.push_back(0.0);
+    for (const auto& [step, start] : others) {
+      scale.push_back(step);
+      translation.push_back(start);
     }
     for (int a = 2; a >= 0; --a) {
       scale.push_back(layout.spacing[a] * place.scale[a]);
@@ -242,7 +250,11 @@ std::string zarrImageText(const VolumeLayout& layout, const std::string& name,
   ordered_json image;
   if (is_v3) image["version"] = "0.5";
   image["multiscales"] = ordered_json::array({multiscale});
-  if (channels.names.size() > 1) image["omero"] = omero(channels, layout);
+  // One channel is listed if there is something to tell of it.
+  const bool is_told =
+      !channels.looks.empty() ||
+      std::ranges::any_of(channels.names, [](const std::string& each) { return !each.empty(); });
+  if (channels.names.size() > 1 || is_told) image["omero"] = omero(channels, layout);
   ordered_json own = ownPart(layout);
   if (levels.has_spreads) own["spreads"] = kZarrSpreadFolder;
   for (const LevelValues values : levels.groups)

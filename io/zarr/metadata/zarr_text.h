@@ -3,6 +3,7 @@
 // the same bytes.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,7 @@
 #include "src/base/sources/volume_channels.h"
 #include "src/base/sources/volume_levels.h"
 #include "src/base/sources/volume_source.h"
+#include "src/base/sources/volume_times.h"
 
 namespace sluice {
 
@@ -36,12 +38,13 @@ ZarrArrayTexts zarrArrayTexts(const ZarrArray& array, const BloscOptions& option
 // The names of the axes of an image's arrays, in their order.
 std::vector<std::string> zarrAxisNames(const VolumeLayout& layout, size_t channels);
 // The coarser levels of an image: the places of their voxels among the finest one's, and how they
-// were made.
+// were made; and the times of the steps of all levels.
 struct ZarrLevelsText {
   std::vector<LevelPlacement> placements;  // from fine to coarse
   LevelValues values = LevelValues::kMeans;
   bool has_spreads = false;              // in arrays beside them, see kZarrSpreadFolder
   std::vector<LevelValues> groups = {};  // of further levels, see zarrLevelsFolder()
+  std::optional<TimeAxis> times = {};
 };
 
 // The channels of an image, for viewers.
@@ -53,9 +56,10 @@ struct ZarrChannelsText {
 // .zattrs, or the zarr.json of a group, of an image called `name`, whose levels are the folders
 // "0", "1" and so on: axes t c z y x, without t for one time step and without c for one channel;
 // the layout's spacing and origin as scale and translation of level 0, from which the other levels'
-// follow. Directions that are not the coordinate axes and a scaling of the values go under the key
-// "sluice"; zarrArrayTexts() repeats the scaling for others. `channels`: their names and looks; of
-// several they go under "omero". Without looks the first is the active one, which pictures show.
+// follow, and the times of the steps. Directions that are not the coordinate axes and a scaling of
+// the values go under the key "sluice"; zarrArrayTexts() repeats the scaling for others.
+// `channels`: their names and looks, which go under "omero" if there are several or the file tells
+// of the one. Without looks the first is the active one, which pictures show.
 std::string zarrImageText(const VolumeLayout& layout, const std::string& name,
                           const ZarrChannelsText& channels, const ZarrLevelsText& levels,
                           ZarrFormat format = ZarrFormat::k2);

@@ -15,8 +15,16 @@ namespace {
 ZarrChannelsText textOf(ChannelSources channels) {
   ZarrChannelsText text;
   text.names.resize(channels.size());
-  if (channels.size() < 2) return text;
   const std::span<const std::string> said = channelNames(*channels.front());
+  if (channels.size() == 1) {
+    const auto at = static_cast<size_t>(channels.front()->layout().channel);
+    const std::span<const StoredLook> looks = channelLooks(*channels.front());
+    if (at < said.size()) text.names.front() = said[at];
+    if (at < looks.size()) text.looks.push_back(looks[at]);
+    // Nothing would show in a viewer if the one channel were hidden.
+    for (StoredLook& look : text.looks) look.is_active = true;
+    return text;
+  }
   for (size_t c = 0; c < std::min(text.names.size(), said.size()); ++c) text.names[c] = said[c];
   const std::span<const StoredLook> looks = channelLooks(*channels.front());
   text.looks.assign(looks.begin(), looks.end());
@@ -58,8 +66,9 @@ StoreTexts storeTexts(ChannelSources channels, const PackOptions& options,
   const ZarrFormat format = options.shard_voxels ? ZarrFormat::k3 : ZarrFormat::k2;
   StoreTexts texts;
   texts.group = zarrGroupText(format);
-  texts.image = zarrImageText(layout, layout.name, textOf(channels),
-                              textOf(levels, options.downsample), format);
+  ZarrLevelsText of_levels = textOf(levels, options.downsample);
+  of_levels.times = timesOf(*channels.front());
+  texts.image = zarrImageText(layout, layout.name, textOf(channels), of_levels, format);
   for (const PackedArray& packed : arrays)
     texts.arrays.push_back(
         zarrArrayTexts(packed.array, options.blosc, labelsOf(packed, layout, channels.size())));

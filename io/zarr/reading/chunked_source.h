@@ -25,6 +25,7 @@
 #include "src/base/sources/volume_channels.h"
 #include "src/base/sources/volume_levels.h"
 #include "src/base/sources/volume_source.h"
+#include "src/base/sources/volume_times.h"
 
 namespace sluice {
 
@@ -36,6 +37,7 @@ struct ChunkedOptions {
 
 class ChunkedSource : public VolumeSource,
                       public ChanneledSource,
+                      public TimedSource,
                       public LeveledSource,
                       public LevelKinds,
                       public UnitSource,
@@ -55,6 +57,7 @@ class ChunkedSource : public VolumeSource,
   std::string identity() const override { return identity_; }
   std::span<const std::string> channelNames() const override { return channel_names_; }
   std::span<const StoredLook> channelLooks() const override { return channel_looks_; }
+  std::optional<TimeAxis> times() const override { return view_.times; }
   std::span<const CoarserLevel> levelsAbove() const override { return levels_above_; }
   std::span<const CoarserLevel> levelsOfKind(LevelValues values) const override;
   // Spreads of the first level's own voxels, which a group of the coarser levels of another volume

@@ -13,11 +13,13 @@
 #include "src/base/sources/volume_channels.h"
 #include "src/base/sources/volume_levels.h"
 #include "src/base/sources/volume_source.h"
+#include "src/base/sources/volume_times.h"
 
 namespace sluice {
 
 class ForwardingSource : public VolumeSource,
                          public ChanneledSource,
+                         public TimedSource,
                          public LeveledSource,
                          public LevelKinds,
                          public UnitSource,
@@ -41,6 +43,7 @@ class ForwardingSource : public VolumeSource,
   std::span<const StoredLook> channelLooks() const override {
     return sluice::channelLooks(*source_);
   }
+  std::optional<TimeAxis> times() const override { return timesOf(*source_); }
   std::span<const CoarserLevel> levelsAbove() const override { return coarserLevels(*source_); }
   std::span<const CoarserLevel> levelsOfKind(LevelValues values) const override {
     return sluice::levelsOfKind(*source_, values);

@@ -15,6 +15,7 @@ namespace sluice {
 struct StoredLook {
   std::optional<std::array<double, 3>> color = {};  // red, green, blue, 0 to 1
   std::optional<ValueRange> window = {};            // stored values that show dark and bright
+  std::optional<ValueRange> limits = {};            // of windows that viewers let users choose
   bool is_active = true;                            // shown at first
   bool is_inverted = false;                         // low values are to be bright, high ones dark
   friend bool operator==(const StoredLook&, const StoredLook&) = default;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "src/base/sources/volume_channels.h"
+#include "src/base/sources/volume_times.h"
 
 namespace sluice {
 namespace {
@@ -27,7 +28,7 @@ VolumeLayout thickLayout(VolumeLayout layout) {
   return layout;
 }
 
-class ThickSource : public VolumeSource, public ChanneledSource {
+class ThickSource : public VolumeSource, public ChanneledSource, public TimedSource {
  public:
   explicit ThickSource(std::unique_ptr<VolumeSource> thin)
       : thin_(std::move(thin)), layout_(thickLayout(thin_->layout())) {}
@@ -37,6 +38,7 @@ class ThickSource : public VolumeSource, public ChanneledSource {
     return sluice::channelNames(*thin_);
   }
   std::span<const StoredLook> channelLooks() const override { return sluice::channelLooks(*thin_); }
+  std::optional<TimeAxis> times() const override { return timesOf(*thin_); }
 
   void readRegion(int64_t time, const Box3& box, std::span<std::byte> out) override {
     // Both planes are the one.

@@ -267,9 +267,10 @@ TEST(ZarrImage, saysHowChannelsLook) {
     {"window": {"start": "a", "end": 2}, "active": 1}, 7]}})",
                                          "");
   ASSERT_EQ(image.looks.size(), 4U);
-  EXPECT_EQ(
-      image.looks[0],
-      (StoredLook{.color = {{0, 128 / 255.0, 1}}, .window = {{3, 100.5}}, .is_active = true}));
+  EXPECT_EQ(image.looks[0], (StoredLook{.color = {{0, 128 / 255.0, 1}},
+                                        .window = {{3, 100.5}},
+                                        .limits = {{0, 255}},
+                                        .is_active = true}));
   EXPECT_EQ(image.looks[1], StoredLook{.is_active = false});
   EXPECT_EQ(image.looks[2], StoredLook{});
   EXPECT_EQ(image.looks[3], StoredLook{});
