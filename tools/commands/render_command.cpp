@@ -58,6 +58,10 @@ std::vector<std::string> warningsOf(const RenderJob& job, const std::set<std::st
                                     const std::optional<SavedView>& saved) {
   std::vector<std::string> lines = job.scene.standInNotes();
   if (saved) std::ranges::move(saved->notes(), std::back_inserter(lines));
+  if (saved && saved->film && (job.arguments.times || job.arguments.path))
+    lines.push_back(
+        fmt::format("{}: the saved path is left out: a range of --time and --path take its place",
+                    saved->name));
   std::ranges::move(idleLines(job, given), std::back_inserter(lines));
   return lines;
 }
@@ -169,7 +173,7 @@ int run(Arguments& arguments, CLI::App& app, Team* team) {
     if (saved->film && asksForFilm(arguments)) {
       if (team != nullptr)
         fail("{}: a single process must draw the frames of a path", arguments.state_file);
-      return writeFilm(arguments, app, *saved);
+      return writeFilm(arguments, app, *saved, given);
     }
   }
   if (arguments.volume.inputs.empty()) throw CLI::RequiredError("volume");
@@ -250,7 +254,8 @@ Command addRender(CLI::App& program) {
             "time step. Film: .mp4, encoded by ffmpeg")
       ->required();
   const OptionGroup film(*app, "Film");
-  addFramesOption(film, arguments->frames, "Pictures of a full turn, or along the path");
+  addFramesOption(film, arguments->frames,
+                  "Pictures of a full turn, or along the path of --path or --state");
   film.text("--path", "FILE", arguments->path_file,
             "Key frames of the camera, JSON: for --frames pictures, or along a range of --time");
   film.rare().number("--rate", "FPS", arguments->frames_per_second, {0, 1000, true},
@@ -258,7 +263,7 @@ Command addRender(CLI::App& program) {
   OptionGroup(*app, "View")
       .text("--state", "FILE", arguments->state_file,
             "Draws a view saved by sluice view, and its volume; further options replace its own. "
-            "With -o frame_%04d.png, draws the frames of the saved path");
+            "With -o frame_%04d.png or --frames, draws frames of the saved path");
   output.flag("--annotate", arguments->annotate,
               "PNG: draws orientation axes, a scale bar and a colour bar");
   output.rare().parsed(

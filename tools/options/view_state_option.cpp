@@ -73,6 +73,13 @@ StateFile without(const std::vector<const OptionEntry*>& given, StateFile file) 
   return file;
 }
 
+// An option that makes labels of the values; empty: none does.
+std::string_view labelsOption(const LookOptions& look) {
+  if (look.labels) return "--labels";
+  if (!look.label_table.empty()) return "--labels-table";
+  return look.label_looks.empty() ? std::string_view() : "--label";
+}
+
 // Throws Error if the view with the user's options has a value without effect.
 void requireNoConflict(ViewState state, const std::string& file, const std::string& place,
                        const std::vector<const OptionEntry*>& given, const ViewState& asked) {
@@ -85,12 +92,18 @@ void requireNoConflict(ViewState state, const std::string& file, const std::stri
   // The file is not to blame for what is wrong without it.
   if (const auto conflict = conflictIn(asked); conflict && conflict == conflictIn(state))
     failUsage("{}", *conflict);
-  requireNoConflict(state, file, [&](std::string_view option) {
+  const auto nameOf = [&](std::string_view option) {
     const auto names = [&](const OptionEntry* entry) {
       return std::ranges::count(optionNames(*entry), option) > 0;
     };
     return std::ranges::any_of(given, names) ? std::string(option) : place + placeOf(option);
-  });
+  };
+  requireNoConflict(state, file, nameOf);
+  // Options of one source exclude each other there.
+  if (const std::string_view labels = labelsOption(state.look);
+      !labels.empty() && !state.look.surfaces.empty())
+    fail("{}: {} draws surfaces between values, which labels do not have; leave out {}", file,
+         nameOf("--iso"), nameOf(labels));
 }
 
 // Parses what was added to an option. A wrong value is the file's fault, and no wrong usage.

@@ -9,6 +9,8 @@
 #include <filesystem>
 #include <iterator>
 #include <optional>
+#include <set>
+#include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -145,6 +147,44 @@ void requireLooks(const SavedFilm& film, const ViewState& now, Renderer& rendere
     }
 }
 
+// Warns of options that change nothing in any key frame, or in a turn: between key frames the words
+// of the earlier one hold.
+void warnOfIdleOptions(const SavedFilm& film, const ViewState& now, std::set<std::string> given,
+                       const RenderArguments& arguments, Renderer& renderer) {
+  given.erase("--rate");  // judged by checkArguments()
+  std::vector<ViewState> states;
+  if (film.path.kind == ViewPath::Kind::kTurn) states.push_back(now);
+  for (const ViewKey& key : film.path.keys)
+    if (film.path.kind == ViewPath::Kind::kKeys) states.push_back(withGiven(film, now, key.state));
+  std::optional<std::vector<std::string>> lines;
+  for (const ViewState& state : states) {
+    renderer.setLook(lookOf(state));
+    const std::vector<std::string> idle = renderer.idleOptions(
+        given, pictureOf(state, arguments.frame.size.width, arguments.frame.size.height));
+    if (!lines)
+      lines = idle;
+    else
+      std::erase_if(*lines,
+                    [&](const std::string& line) { return std::ranges::count(idle, line) == 0; });
+  }
+  for (const std::string& line : lines.value_or(std::vector<std::string>()))
+    printWarning(fmt::format("{}: {}", arguments.volume.inputs.front(), line));
+}
+
+// Has the path pass in so many frames, at equal times from its beginning to its end. Throws Error
+// if it takes no time.
+void spreadFrames(int64_t frames, const std::string& file, ViewPath& path) {
+  if (path.kind == ViewPath::Kind::kTurn) {
+    path.turn_frames = frames;
+    return;
+  }
+  if (frames > 1 && !(secondsOf(path) > 0))
+    fail("{}: the saved path has one key frame, and so one picture; leave out --frames", file);
+  // Any rate of less than a frame gives the first one.
+  const double steps = frames > 1 ? static_cast<double>(frames - 1) : 0.5;
+  if (secondsOf(path) > 0) path.frames_per_second = steps / secondsOf(path);
+}
+
 std::vector<int64_t> missingFrames(const RenderArguments& arguments, int64_t frames) {
   std::vector<int64_t> missing;
   for (int64_t i = 0; i < frames; ++i)
@@ -222,13 +262,16 @@ void writeFrames(const RenderArguments& arguments, const SavedFilm& film, const 
 }  // namespace
 
 bool asksForFilm(const RenderArguments& arguments) {
-  return (isNumbered(arguments.output) || isFilmName(arguments.output)) && arguments.frames == 1 &&
-         !arguments.times;
+  return (isNumbered(arguments.output) || isFilmName(arguments.output) || arguments.frames > 1) &&
+         !arguments.times && arguments.path_file.empty();
 }
 
-int writeFilm(const RenderArguments& arguments, const CLI::App& app, const SavedView& saved) {
+int writeFilm(const RenderArguments& arguments, const CLI::App& app, const SavedView& saved,
+              const std::set<std::string>& given) {
   SavedFilm film = *saved.film;
   checkArguments(arguments, app);
+  const double saved_rate = film.path.frames_per_second;
+  if (given.contains("--frames")) spreadFrames(arguments.frames, arguments.state_file, film.path);
   const bool is_one_file = isFilmName(arguments.output);
   const int64_t count = frameCount(film.path);
   const std::vector<int64_t> frames = missingFrames(arguments, count);
@@ -267,15 +310,17 @@ int writeFilm(const RenderArguments& arguments, const CLI::App& app, const Saved
   placeKeys(film.path, renderer, watch);
   requireMotion(film, now, arguments.state_file, is_quiet);
   requireLooks(film, now, renderer, arguments.state_file);
-  if (!is_quiet) warnOfJumps(film, now, arguments.state_file);
+  if (!is_quiet) {
+    warnOfIdleOptions(film, now, given, arguments, renderer);
+    warnOfJumps(film, now, arguments.state_file);
+  }
   std::optional<FilmFile> made;
   const std::string note = is_one_file ? filmSizeNote(arguments.output, arguments.frame.size) : "";
   if (!note.empty() && !is_quiet) printWarning(note);
   if (is_one_file)
-    made.emplace(
-        arguments.output, arguments.frame.size,
-        app.count("--rate") > 0 ? arguments.frames_per_second : film.path.frames_per_second,
-        interruption());
+    made.emplace(arguments.output, arguments.frame.size,
+                 app.count("--rate") > 0 ? arguments.frames_per_second : saved_rate,
+                 interruption());
   writeFrames(arguments, film, now, frames, made, renderer, watch);
   if (is_one_file && !is_quiet) say("{}: {} frames\n", arguments.output, count);
   if (!is_one_file && !is_quiet)
