@@ -77,7 +77,7 @@ void open(OpenedVolume& opened, VolumeArguments arguments, const VolumeOptions& 
   needs.whole_series = options.whole_series;
   needs.opens_soon = options.opens_soon;
   opened.whole_series = options.whole_series;
-  const IndexPass pass{pool, progress, memoryBudget(machine), teller.stop()};
+  IndexPass pass{pool, progress, memoryBudget(machine), teller.stop()};
   std::vector<std::string> notes;
   std::vector<ChannelSource> sources = channels(arguments);
   const VolumeLayout first = sources.front().source->layout();
@@ -86,6 +86,7 @@ void open(OpenedVolume& opened, VolumeArguments arguments, const VolumeOptions& 
     // Means of labels say nothing; their most frequent ones do.
     if (looksLikeLabels(source)) own.values = LevelValues::kModes;
     const MachineOptions own_machine = withBlocksOfFirst(machine, source.source->layout(), first);
+    pass.together = source.together;
     IndexedVolume volume =
         indexVolume(std::move(source.source), source.arguments, own_machine, own, wish, pass);
     volume.channel = std::move(source.channel);

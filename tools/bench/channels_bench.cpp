@@ -60,9 +60,9 @@ json benchChannels(const BenchArguments& bench) {
   const uint64_t parts = channels.size() + 2;
   std::vector<ChannelsWay> ways;
   ways.reserve(parts);
-  for (const auto& [source, channel, arguments, note] : channels)
-    ways.push_back(
-        wayOf(bench, channel.id(), arguments, lookOfChannel(bench.look, channel), parts));
+  for (const ChannelSource& each : channels)
+    ways.push_back(wayOf(bench, each.channel.id(), each.arguments,
+                         lookOfChannel(bench.look, each.channel), parts));
   LookArguments look = bench.look;
   for (const auto& [name, combine] :
        {std::pair("add", Combine::kAdd), {"blend", Combine::kBlend}}) {

@@ -29,6 +29,7 @@ IndexedVolume indexed(ChannelSource opened, const ResourceArguments& resources,
   ProgressMeter progress(indexingLine(resources));
   IndexPass pass = passOf(pool, progress, resources);
   if (!resources.quiet) pass.announce = printNotice;
+  pass.together = opened.together;
   IndexedVolume volume = indexVolume(std::move(opened.source), opened.arguments, machine, needs,
                                      indexWish(resources.index_dir), pass);
   volume.channel = std::move(opened.channel);

@@ -78,6 +78,7 @@ struct IndexPass : VolumePass {
   // Told beforehand what will be written in addition to the index, and how large it is; may be
   // null.
   std::function<void(const std::string& line)> announce = {};
+  LayersTogether together = {};  // the layers that the volume is drawn with
 };
 
 // Reads or builds the index of the step, or of all steps. `source` belongs to `arguments`. Throws

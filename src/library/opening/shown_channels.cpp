@@ -201,17 +201,37 @@ ChannelSource openOver(const VolumeArguments& arguments, const VolumeLayout& fir
 
 }  // namespace
 
+namespace {
+
+// Tells each channel of those that are drawn with it.
+std::vector<ChannelSource> drawnTogether(std::vector<ChannelSource> channels) {
+  const auto voxelsOf = [](const ChannelSource& channel) {
+    return static_cast<double>(volume(channel.source->layout().dims));
+  };
+  for (ChannelSource& channel : channels) {
+    LayersTogether& together = channel.together;
+    together.count = channels.size();
+    for (const ChannelSource& other : channels) {
+      together.larger = std::max(together.larger, voxelsOf(other) / voxelsOf(channel));
+      together.thread_bytes = std::max(together.thread_bytes, other.source->heldBytesAThread());
+    }
+  }
+  return channels;
+}
+
+}  // namespace
+
 std::vector<ChannelSource> openChannels(const VolumeArguments& arguments) {
   VolumeArguments own = arguments;
   own.open.has_over = !arguments.asked.over.empty();
   std::vector<ChannelSource> channels = openOwnChannels(own);
-  if (!own.open.has_over) return channels;
+  if (!own.open.has_over) return drawnTogether(std::move(channels));
   const VolumeLayout& first = channels.front().source->layout();
   // Each of two volumes is known by its file.
   if (channels.size() == 1 && channels.front().channel.name.empty())
     channels.front().channel.name = first.name;
   channels.push_back(openOver(arguments, first));
-  return channels;
+  return drawnTogether(std::move(channels));
 }
 
 namespace {

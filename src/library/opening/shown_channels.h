@@ -15,6 +15,13 @@
 
 namespace sluice {
 
+// The layers of a picture, of which one is opened: for budgets before the others are known.
+struct LayersTogether {
+  size_t count = 1;
+  double larger = 1;          // voxels of the largest one, in those of this one
+  uint64_t thread_bytes = 0;  // the most that a source of them keeps decoded while a thread reads
+};
+
 // A channel that a picture shows, or the volume that it shows over the first one. A plain value;
 // the default is a volume of one channel.
 struct ShownChannel {
@@ -38,6 +45,7 @@ struct ChannelSource {
   ShownChannel channel;
   VolumeArguments arguments = {};       // that open it again
   std::vector<std::string> notes = {};  // for people, one line each
+  LayersTogether together = {};
 };
 
 // Opens the volume for what reads one channel: the one of --channel, or the first. Throws as

@@ -14,7 +14,9 @@ IndexedRanges passedRanges(const IndexedVolume& volume, int64_t time, const Inde
                            const SideLevels* side) {
   VolumePass within = pass;
   if (side != nullptr) within.memory_bytes -= side->heldBytes();
-  within.enough_to_draw = [&](uint64_t array_bytes) { return enoughToDraw(volume, array_bytes); };
+  within.enough_to_draw = [&](uint64_t array_bytes) {
+    return enoughToDraw(volume, pass.together, array_bytes);
+  };
   // The first opening reads everything, and nothing else is in memory then.
   volume.source->holdAtMost(
       std::min(within.memory_bytes / 4, volume.source->passReads().most_bytes));

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 
 #include "src/base/threads/clock.h"
 #include "src/base/values/bytes.h"
@@ -156,23 +157,28 @@ uint64_t planBytes(const IndexedVolume& volume, const TransferFunction& transfer
   return blocks * kPlannedBlockBytes + spreadBytes(volume) + learntBytes(volume);
 }
 
-uint64_t enoughToDraw(const IndexedVolume& volume, uint64_t array_bytes) {
+uint64_t enoughToDraw(const IndexedVolume& volume, const LayersTogether& together,
+                      uint64_t array_bytes) {
   const VolumeLayout& layout = volume.source->layout();
   const auto blocks = static_cast<uint64_t>(volume.layout.blockCount());
   // A series has the next step's plan, too.
   const uint64_t plans = (layout.time_steps > 1 ? 2 : 1) * blocks * kPlannedBlockBytes;
+  const auto ofLargest = [&](uint64_t bytes) {
+    return static_cast<uint64_t>(std::ceil(together.larger * static_cast<double>(bytes)));
+  };
   const BufferNeeds needs{
       .block_vox = blockSide(volume.layout, layout.levels),
-      .source_thread_bytes = volume.source->heldBytesAThread(),
-      .beside_bytes = array_bytes + plans + spreadBytes(volume) +
+      .source_thread_bytes = std::max(volume.source->heldBytesAThread(), together.thread_bytes),
+      .beside_bytes = ofLargest(array_bytes + plans + spreadBytes(volume)) +
                       leastPictureBytes({.size = {kEnoughSide, kEnoughSide},
                                          .pixel_bytes = std::max(kCpuPixelBytes, kGlPixelBytes)}),
       .numbers = volume.numbers()};
   PageGeometry page = volume.page;
   page.pages = leastPages(page, needs);
-  return std::max(textureMemoryBytes(page, TexelPlace::kInMemory),
-                  textureMemoryBytes(page, TexelPlace::kBorrowed)) +
-         leastBufferBytes(page, needs);
+  // All of them share the memory evenly.
+  return together.count * (std::max(textureMemoryBytes(page, TexelPlace::kInMemory),
+                                    textureMemoryBytes(page, TexelPlace::kBorrowed)) +
+                           leastBufferBytes(page, needs));
 }
 
 BesideShare besideShare(const IndexedVolume& volume, const MachineOptions& machine,

@@ -51,9 +51,11 @@ uint64_t planBytes(const IndexedVolume& volume, const TransferFunction& transfer
 
 // The widest picture for which enoughToDraw() is enough: wider ones have larger strips.
 inline constexpr int kEnoughSide = 4096;
-// The memory with which a picture of a channel is drawn, whatever it shows, if the min-max arrays
-// take `array_bytes`. For a volume that is not indexed yet.
-uint64_t enoughToDraw(const IndexedVolume& volume, uint64_t array_bytes);
+// The memory with which a picture of a channel and of those that are drawn with it is drawn,
+// whatever it shows, if the channel's min-max arrays take `array_bytes`. For a volume that is not
+// indexed yet.
+uint64_t enoughToDraw(const IndexedVolume& volume, const LayersTogether& together,
+                      uint64_t array_bytes);
 
 // The bytes held in addition to the levels, and the pages of the texture cache that they leave room
 // for.
