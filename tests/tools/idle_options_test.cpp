@@ -125,6 +125,23 @@ TEST_F(IdleOptions, ofSamplingAreWarningsOfBenchesOfSeveralVolumes) {
   EXPECT_THAT(program_.run(series).output, Not(HasSubstr("changes nothing")));
 }
 
+TEST_F(IdleOptions, areWarningsOfBenchesOfQualityAndOfTheWindow) {
+  const std::string of_bench =
+      std::string("bench quality --frames 1 --size 24 --threshold 40 ") + kSmall;
+  for (const char* option : {"--quality", "--step"})
+    EXPECT_THAT(program_.run(of_bench + " " + option + (option[2] == 'q' ? " high" : " 2")).output,
+                HasSubstr(std::string("warning: ") + option + " changes nothing here"));
+  EXPECT_THAT(program_.run(of_bench + " --fov 50").output,
+              HasSubstr("--fov changes nothing with an orthographic camera"));
+  EXPECT_THAT(program_.run(of_bench).output, Not(HasSubstr("changes nothing")));
+  const std::string of_window =
+      std::string("bench view --device cpu --events 2 --size 24 --threshold 40 ") + kSmall;
+  EXPECT_THAT(program_.run(of_window + " --quality high --step 3").output,
+              HasSubstr("--quality changes nothing with a --step of more than 2 voxels"));
+  EXPECT_THAT(program_.run(of_window + " --quality high --step 1").output,
+              Not(HasSubstr("changes nothing")));
+}
+
 // Simulations have them in their report, as plans have.
 TEST_F(IdleOptions, areInReportsOfSimulations) {
   const std::string line = std::string("simulate --frames 1 --policies lru -q --size 32 ") + kSmall;

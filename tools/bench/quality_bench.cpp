@@ -2,12 +2,17 @@
 #include <fmt/format.h>
 
 #include <iterator>
+#include <set>
+#include <string>
 #include <vector>
 
 #include "src/base/threads/clock.h"
+#include "src/library/drawing/scene/picture_facts.h"
+#include "src/options/idle_options.h"
 #include "tools/bench/bench.h"
 #include "tools/bench/picture_error.h"
 #include "tools/command_line/console.h"
+#include "tools/command_line/option_group.h"
 #include "tools/outputs/report.h"
 
 namespace sluice {
@@ -57,10 +62,21 @@ void measureAll(const BenchArguments& bench, Scene& scene, std::vector<Times>& t
   }
 }
 
+// Warns of options that change nothing here.
+void warnOfIdle(const BenchArguments& bench, const Scene& scene, const FrameOptions& frame) {
+  std::set<std::string> given = givenOptions(*bench.app);
+  for (const char* own : {"--quality", "--step"})
+    if (given.erase(own) > 0)
+      printWarning(fmt::format("{} changes nothing here: each row has its own", own));
+  for (const std::string& line : idleOptions(given, pictureFacts(scene, frame)))
+    printWarning(fmt::format("{}: {}", scene.volume.name, line));
+}
+
 json benchQuality(const BenchArguments& bench) {
   BenchArguments asked = bench;
   asked.frame.integrates = true;  // for blocks that have what it takes
   Scene scene = openScene(asked.volume, asked.look, asked.resources, asked.frame);
+  warnOfIdle(bench, scene, asked.frame);
   const Picture truth = drawn(scene, optionsOf(asked, {false, kTruthStep}));
   std::vector<Times> times(std::size(kSamplingWays));
   for (int round = 0; round < bench.frames; ++round) measureAll(asked, scene, times);

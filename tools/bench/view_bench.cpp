@@ -1,13 +1,20 @@
 // sluice bench view: how soon a window would have a picture after a movement of the hand, and
 // whether its loop ever waits.
+#include <fmt/format.h>
+#include <sluice/renderer.h>
+
 #include <algorithm>
 #include <chrono>
+#include <set>
+#include <string>
 #include <thread>
 #include <utility>
 #include <vector>
 
 #include "src/base/error.h"
 #include "src/base/threads/clock.h"
+#include "src/options/option_rules.h"
+#include "src/options/option_table.h"
 #include "src/view/drawing/drawing_thread.h"
 #include "src/view/state/editing/camera_gestures.h"
 #include "src/view/state/editing/transfer_edit.h"
@@ -15,6 +22,7 @@
 #include "tools/command_line/console.h"
 #include "tools/command_line/environment.h"
 #include "tools/command_line/interrupt.h"
+#include "tools/command_line/option_group.h"
 #include "tools/command_line/progress_line.h"
 #include "tools/options/view_arguments.h"
 
@@ -183,6 +191,23 @@ nlohmann::json benchView(const ViewBench& bench) {
           {"device", loop.opened->device}};
 }
 
+// Warns of options that change nothing in the pictures.
+void warnOfIdle(const std::set<std::string>& given, const ViewBench& bench) {
+  const bool is_of_picture = std::ranges::any_of(optionTable(), [&](const OptionEntry& entry) {
+    return std::ranges::any_of(optionNames(entry), [&](std::string_view name) {
+      return given.contains(std::string(name));
+    });
+  });
+  if (!is_of_picture) return;
+  VolumeOptions options = bench.volume.options;
+  if (options.index_folder.empty()) options.index_folder = bench.drawing.index_folder;
+  const ViewState& state = bench.drawing.state;
+  Renderer renderer(Volume(bench.volume.paths, options), lookOf(state), bench.drawing.renderer);
+  for (const std::string& line :
+       renderer.idleOptions(given, pictureOf(state, bench.width, bench.height)))
+    printWarning(fmt::format("{}: {}", bench.volume.paths.front(), line));
+}
+
 void printView(const nlohmann::json& report) {
   const auto ms = [](const nlohmann::json& seconds) { return 1e3 * seconds.get<double>(); };
   const auto& answer = report["answer_seconds"];
@@ -226,15 +251,16 @@ Bench addWindowBench(CLI::App& app) {
             asked.volume = viewedVolume(bench->volume, bench->resources, asked.drawing.index_folder,
                                         !bench->look.this_step);
             asked.drawing.renderer = rendererOptions(bench->resources);
-            asked.drawing.state.look = state.look;
-            asked.drawing.state.view = state.view;
-            asked.drawing.state.step_vox = state.step_vox;
+            asked.drawing.state = state;
             asked.width = bench->frame.size.width;
             asked.height = bench->frame.size.height;
             asked.threshold = bench->look.threshold.value_or(0);
             asked.events = *events;
             asked.drag = *drag;
-            return show(benchView(asked), printView);
+            const nlohmann::json report = benchView(asked);
+            // Afterwards, since the bench opens the volume by itself.
+            warnOfIdle(givenOptions(*bench->app), asked);
+            return show(report, printView);
           },
           true};
 }
