@@ -9,73 +9,12 @@
 #include "src/base/error.h"
 #include "src/base/memory/large_pages.h"
 #include "src/texture/clusters.h"
-#include "src/volume/block_side.h"
 
 namespace sluice {
 namespace {
 
 constexpr std::array<std::string_view, 4> kAlgorithmNames = {"conventional", "clipped", "trimmed",
                                                              "merged"};
-// Most blocks that the conventional algorithm may list.
-constexpr int64_t kMostBlocks = int64_t{1} << 26;
-
-// The 2^d of the paper, or less in a volume that is smaller than that.
-int64_t sideOf(const PyramidLayout& pyramid) {
-  return blockSide(pyramid.finest(), pyramid.levels());
-}
-
-// The whole block, drawn whole (I) or clipped to its object box (II).
-TextureBlock wholeBlock(const PyramidLayout& pyramid, const ObjectBlock& object) {
-  const BlockLayout& layout = pyramid.of(object.name).blocks;
-  const int64_t side = sideOf(pyramid);
-  TextureBlock result;
-  result.name = object.name;
-  result.voxels = layout.cube(layout.indexOf(object.name.block));
-  // In a volume smaller than a block, cubes are larger than the side that chunks and budgets are
-  // made for.
-  result.voxels.hi = result.voxels.lo + Vec3i{side, side, side};
-  result.cells = object.cells;
-  result.level_faces = object.level_faces;
-  return result;
-}
-
-// Section 3.2.2: trimmed along one axis, 2^d along the others.
-TextureBlock trimmedBlock(const PyramidLayout& pyramid, const ObjectBlock& object) {
-  TextureBlock result = wholeBlock(pyramid, object);
-  const int axis = result.trimming_axis = object.trimming_axis;
-  const LevelLayout& level = pyramid.of(object.name);
-  const Box3 needed = level.voxelsUnder(object.cells), cube = result.voxels;
-  // The ghost layers around the object box are kept, too: gradients at its border use them.
-  result.voxels.lo[axis] = std::max(cube.lo[axis], needed.lo[axis] - level.blocks.ghost);
-  result.voxels.hi[axis] = std::min(cube.hi[axis], needed.hi[axis] + level.blocks.ghost);
-  return result;
-}
-
-// The texels of the coarser block that a seam needs.
-TextureBlock seamBlock(const PyramidLayout& pyramid, const VisibleBlocks& visible, size_t number,
-                       Algorithm algorithm) {
-  const LevelSeam& seam = visible.seams[number];
-  ObjectBlock object;
-  object.name = seam.coarse;
-  object.cells = seam.cells;
-  object.trimming_axis = seam.face % 3;  // a seam is thin across its face
-  TextureBlock result =
-      loadsWholeBlocks(algorithm) ? wholeBlock(pyramid, object) : trimmedBlock(pyramid, object);
-  result.seam = static_cast<int32_t>(number);
-  return result;
-}
-
-// Visits the block, and its seams behind it.
-void visitWithSeams(const PyramidLayout& pyramid, const VisibleBlocks& visible, Algorithm algorithm,
-                    const TextureBlock& block,
-                    const std::function<void(const TextureBlock&)>& visit) {
-  visit(block);
-  if (visible.seams.empty() || block.level_faces == 0) return;
-  const auto first = std::ranges::lower_bound(visible.seams, block.name, {}, &LevelSeam::fine);
-  for (auto seam = first; seam != visible.seams.end() && seam->fine == block.name; ++seam)
-    visit(
-        seamBlock(pyramid, visible, static_cast<size_t>(seam - visible.seams.begin()), algorithm));
-}
 
 // The most seams that a block has.
 int64_t mostSeams(const VisibleBlocks& visible) {
@@ -94,7 +33,7 @@ void addBlocks(TexturePlan& plan, const VisibleBlocks& visible, const PlanOption
     count = visible.share ? static_cast<int64_t>(visible.share->blocks.size())
                           : plan.layout().blockCount();
   count += static_cast<int64_t>(visible.seams.size());
-  reserveLarge(plan.blocks, static_cast<size_t>(std::min(count, kMostBlocks)));
+  reserveLarge(plan.blocks, static_cast<size_t>(std::min(count, kMostListedBlocks)));
   visitTextureBlocks(plan.pyramid, visible, options,
                      [&](const TextureBlock& block) { plan.blocks.push_back(block); });
 }
@@ -297,65 +236,6 @@ LoadBytes TexturePlan::loadBytes(const Chunk& chunk) const {
   load.empty = bytes(copied) - load.needed;
   load.extended = bytes(volume(chunk.size_vox) - copied);
   return load;
-}
-
-bool areOfSeveralLevels(const VisibleBlocks& visible) {
-  // The cut belongs to the whole picture: a rank whose own blocks are all of the finest level must
-  // decide as the others do.
-  if (visible.cut) return !visible.cut->levels.empty() && visible.cut->levels.back().level > 0;
-  const auto isAbove = [](const ObjectBlock& object) { return object.name.level > 0; };
-  return std::ranges::any_of(visible.blocks, isAbove);
-}
-
-bool loadsEveryBlock(const VisibleBlocks& visible, Algorithm algorithm) {
-  return loadsWholeBlocks(algorithm) && !areOfSeveralLevels(visible);
-}
-
-void requireListable(const BlockLayout& layout, Algorithm algorithm) {
-  if (layout.blockCount() > kMostBlocks)
-    failRequest("--algorithm {} loads every block, here {}; use trimmed or merged", name(algorithm),
-                layout.blockCount());
-}
-
-void visitTextureBlocks(const PyramidLayout& pyramid, const VisibleBlocks& visible,
-                        const PlanOptions& options,
-                        const std::function<void(const TextureBlock&)>& visit) {
-  const Algorithm algorithm = options.algorithm;
-  if (!loadsWholeBlocks(algorithm)) {
-    for (const ObjectBlock& object : visible.blocks)
-      visitWithSeams(pyramid, visible, algorithm, trimmedBlock(pyramid, object), visit);
-    return;
-  }
-  if (!loadsEveryBlock(visible, algorithm)) {
-    for (ObjectBlock object : visible.blocks) {
-      // Algorithm I draws the whole region of a block, since it knows no object boxes. Those of
-      // coarser levels belong to the picture: voxels with spreads show something beyond them, where
-      // the finest level shows nothing. Only blocks of the cut are loaded, for regions of other
-      // levels overlap them.
-      if (algorithm == Algorithm::kConventional && object.name.level == 0)
-        object.cells = intersect(pyramid.regionOf(object.name), options.crop);
-      visitWithSeams(pyramid, visible, algorithm, wholeBlock(pyramid, object), visit);
-    }
-    return;
-  }
-  const BlockLayout& layout = pyramid.finest();
-  requireListable(layout, algorithm);
-  const BlockShare* share = visible.share ? &*visible.share : nullptr;
-  const int64_t count =
-      share != nullptr ? static_cast<int64_t>(share->blocks.size()) : layout.blockCount();
-  const Box3 drawn = share != nullptr ? intersect(options.crop, share->cells) : options.crop;
-  size_t next = 0;
-  for (int64_t i = 0; i < count; ++i) {
-    const int64_t block = share != nullptr ? share->blocks[static_cast<size_t>(i)] : i;
-    ObjectBlock object;
-    // A block that shows nothing has no cells: algorithm II loads it and draws nothing of it.
-    object.name = {.time = options.time, .block = block};
-    if (next < visible.blocks.size() && visible.blocks[next].name.block == block)
-      object = visible.blocks[next++];
-    if (algorithm == Algorithm::kConventional)
-      object.cells = intersect(layout.ownedCells(layout.indexOf(block)), drawn);
-    visit(wholeBlock(pyramid, object));
-  }
 }
 
 int64_t clusterCapacity(const PyramidLayout& pyramid, const VisibleBlocks& visible,

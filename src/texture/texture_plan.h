@@ -21,6 +21,7 @@
 #include "src/classify/blocks/classification.h"
 #include "src/texture/merging.h"
 #include "src/texture/positions.h"
+#include "src/volume/block_side.h"
 #include "src/volume/pyramid.h"
 
 namespace sluice {
@@ -132,6 +133,13 @@ struct PlanOptions {
   const TexturePlan* clusters = nullptr;
   VoxelPlanes planes = {};  // TexturePlan::planes
 };
+
+// The voxels along a side of all blocks: the 2^d of the paper, or less in a volume that is smaller.
+inline int64_t sideOf(const PyramidLayout& pyramid) {
+  return blockSide(pyramid.finest(), pyramid.levels());
+}
+// The most blocks that a plan may list if it loads all of them.
+inline constexpr int64_t kMostListedBlocks = int64_t{1} << 26;
 
 // Whether an algorithm loads blocks whole, and not trimmed.
 constexpr bool loadsWholeBlocks(Algorithm algorithm) {
