@@ -11,6 +11,7 @@
 #include "src/base/values/value_counts.h"
 #include "src/library/conversions.h"
 #include "src/library/drawing/scene/resources.h"
+#include "src/library/opening/channel_looks.h"
 #include "src/library/opening/checked_source.h"
 #include "src/library/opening/opened_volume.h"
 

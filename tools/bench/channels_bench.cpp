@@ -8,6 +8,7 @@
 
 #include "src/base/error.h"
 #include "src/base/threads/clock.h"
+#include "src/library/opening/channel_looks.h"
 #include "src/library/opening/shown_channels.h"
 #include "tools/bench/bench.h"
 #include "tools/command_line/console.h"

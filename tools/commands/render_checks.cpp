@@ -10,6 +10,7 @@
 #include "src/base/values/bytes.h"
 #include "src/library/drawing/cost/picture_memory.h"
 #include "src/library/drawing/scene/refined_frame.h"
+#include "src/library/opening/channel_looks.h"
 #include "src/library/opening/shown_channels.h"
 #include "src/options/option_rules.h"
 #include "src/view/state/view_path.h"

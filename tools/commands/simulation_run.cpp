@@ -11,6 +11,7 @@
 #include "src/base/error.h"
 #include "src/base/values/bytes.h"
 #include "src/library/drawing/files/channel_traces.h"
+#include "src/library/opening/channel_looks.h"
 #include "tools/pages/report_file.h"
 
 namespace sluice {

@@ -13,6 +13,7 @@
 #include "src/base/values/bytes.h"
 #include "src/library/drawing/cost/planned_channels.h"
 #include "src/library/drawing/scene/device_choice.h"
+#include "src/library/opening/channel_looks.h"
 #include "tools/command_line/console.h"
 #include "tools/command_line/progress_line.h"
 #include "tools/command_line/usage.h"

@@ -7,6 +7,7 @@
 #include "io/web/address.h"
 #include "src/base/values/bytes.h"
 #include "src/library/drawing/scene/resources.h"
+#include "src/library/opening/channel_looks.h"
 #include "tools/command_line/console.h"
 #include "tools/command_line/environment.h"
 #include "tools/scene/open_scene.h"

@@ -7,6 +7,7 @@
 
 #include "src/library/drawing/scene/resources.h"
 #include "src/library/drawing/scene/shared_world.h"
+#include "src/library/opening/channel_looks.h"
 #include "src/render/blocks/cut/cut_rules.h"
 #include "tools/command_line/console.h"
 #include "tools/command_line/environment.h"

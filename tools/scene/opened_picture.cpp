@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "src/library/drawing/scene/picture_facts.h"
+#include "src/library/opening/channel_looks.h"
 
 namespace sluice {
 

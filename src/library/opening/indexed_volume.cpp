@@ -14,6 +14,7 @@
 #include "src/base/sources/read_units.h"
 #include "src/base/sources/volume_levels.h"
 #include "src/library/drawing/scene/resources.h"
+#include "src/library/opening/channel_looks.h"
 #include "src/library/opening/levels/coarsest_level.h"
 #include "src/library/opening/levels/side_levels.h"
 #include "src/library/opening/levels/volume_sample.h"

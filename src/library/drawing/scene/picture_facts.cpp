@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "src/library/opening/channel_looks.h"
 #include "src/library/opening/thick_source.h"
 
 namespace sluice {

@@ -12,6 +12,7 @@
 #include "src/base/values/bytes.h"
 #include "src/library/drawing/empty_picture.h"
 #include "src/library/drawing/files/channel_traces.h"
+#include "src/library/opening/channel_looks.h"
 #include "src/options/option_words.h"
 #include "src/render/blocks/cut/cut_rules.h"
 #include "src/render/camera/frame_setup.h"
