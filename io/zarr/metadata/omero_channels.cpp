@@ -73,8 +73,10 @@ std::vector<StoredLook> omeroLooks(const JsonField& omero) {
     StoredLook& look = looks.emplace_back();
     if (!channel.isObject()) continue;
     if (const auto color = channel.find("color")) look.color = colorOf(*color);
-    if (const auto window = channel.find("window"))
-      look.window = windowOf(*window), look.limits = limitsOf(*window);
+    if (const auto window = channel.find("window")) {
+      look.window = windowOf(*window);
+      look.limits = limitsOf(*window);
+    }
     if (const auto active = channel.find("active"); active && active->isFlag())
       look.is_active = active->flag();
     if (const auto inverted = channel.find("inverted"); inverted && inverted->isFlag())
