@@ -1,6 +1,8 @@
 // A scene that several tests draw: blobs behind a threshold, seen small.
 #pragma once
 
+#include <fmt/format.h>
+
 #include <memory>
 
 #include "src/classify/transfer/transfer_makers.h"
@@ -30,6 +32,25 @@ inline FrameOptions smallView(double azimuth_deg = 33) {
   FrameOptions options = obliqueView(Projection::kPerspective, {48, 44});
   options.camera.azimuth_deg = azimuth_deg;
   return options;
+}
+
+// Calls `draw` with blobs of three types of voxels, light or none, and views of each projection.
+// Their steps take turns: over the three types, each meets every light and projection.
+template <class Draw>
+void drawBlobsOfAllKinds(const Draw& draw) {
+  constexpr double kSteps[] = {0.5, 1.0, 1.7};
+  size_t turn = 0;
+  for (const VoxelType type : {VoxelType::kU8, VoxelType::kI16, VoxelType::kF32}) {
+    const auto source = spacedBlobs(type);
+    for (const bool lit : {false, true})
+      for (const Projection projection : kProjections) {
+        FrameOptions options = obliqueView(projection, {64, 60});
+        options.step_vox = kSteps[turn++ % 3];
+        SCOPED_TRACE(fmt::format("{}, lit {}, projection {}, step {}", name(type), lit,
+                                 static_cast<int>(projection), options.step_vox));
+        draw(*source, options, lit);
+      }
+  }
 }
 
 }  // namespace sluice

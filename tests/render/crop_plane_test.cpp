@@ -5,7 +5,7 @@
 #include "src/classify/transfer/transfer_makers.h"
 #include "tests/render/render_scene.h"
 
-namespace sluice {
+namespace sluice::crop_plane_test {
 namespace {
 
 constexpr Vec3i kDims{34, 30, 26};
@@ -127,4 +127,4 @@ TEST_F(CropPlaneTest, severalAxesAtOnce) {
 }
 
 }  // namespace
-}  // namespace sluice
+}  // namespace sluice::crop_plane_test

@@ -35,22 +35,9 @@ class IntegratedTest : public RightPictureTest {
 };
 
 TEST_F(IntegratedTest, givesTheReferencePicture) {
-  // Steps take turns: over the three types, each meets every light and projection.
-  constexpr double kSteps[] = {0.5, 1.0, 1.7};
-  size_t turn = 0;
-  for (const VoxelType type : {VoxelType::kU8, VoxelType::kI16, VoxelType::kF32}) {
-    const auto source = spacedBlobs(type);
-    const TransferFunction transfer = shellAndCore(valueRangeOf(*source));
-    for (const bool lit : {false, true})
-      for (const Projection projection : kProjections) {
-        const double step = kSteps[turn++ % 3];
-        SCOPED_TRACE(fmt::format("{}, lit {}, projection {}, step {}", name(type), lit,
-                                 static_cast<int>(projection), step));
-        FrameOptions options = obliqueView(projection, {64, 60});
-        options.step_vox = step;
-        expectRightPicture(*source, transfer, options, lit);
-      }
-  }
+  drawBlobsOfAllKinds([&](MemorySource& source, const FrameOptions& options, bool lit) {
+    expectRightPicture(source, shellAndCore(valueRangeOf(source)), options, lit);
+  });
 }
 
 TEST_F(IntegratedTest, factorsOfGradientsAreForTheMeanOfBothEnds) {

@@ -20,22 +20,18 @@ std::optional<std::array<double, 3>> colorOf(const JsonField& field) {
   return std::array{rgb->x, rgb->y, rgb->z};
 }
 
-// The part of a window that is shown, whose ends are two different numbers.
-std::optional<ValueRange> windowOf(const JsonField& field) {
+// Two numbers of an object, of which the second one is larger.
+std::optional<ValueRange> rangeIn(const JsonField& field, const char* lower, const char* upper) {
   if (!field.isObject()) return std::nullopt;
-  const auto start = field.find("start"), end = field.find("end");
-  if (!start || !end || !start->isNumber() || !end->isNumber()) return std::nullopt;
-  const ValueRange window{start->number(), end->number()};
-  return window.lo < window.hi ? std::optional(window) : std::nullopt;
+  const auto lo = field.find(lower), hi = field.find(upper);
+  if (!lo || !hi || !lo->isNumber() || !hi->isNumber()) return std::nullopt;
+  const ValueRange range{lo->number(), hi->number()};
+  return range.lo < range.hi ? std::optional(range) : std::nullopt;
 }
 
-// The numbers between which viewers let users choose a window.
-std::optional<ValueRange> limitsOf(const JsonField& field) {
-  if (!field.isObject()) return std::nullopt;
-  const auto least = field.find("min"), most = field.find("max");
-  if (!least || !most || !least->isNumber() || !most->isNumber()) return std::nullopt;
-  const ValueRange limits{least->number(), most->number()};
-  return limits.lo < limits.hi ? std::optional(limits) : std::nullopt;
+// The part of a window that is shown.
+std::optional<ValueRange> windowOf(const JsonField& field) {
+  return rangeIn(field, "start", "end");
 }
 
 // Whether a window has an end, but no two numbers of a range.
@@ -75,7 +71,8 @@ std::vector<StoredLook> omeroLooks(const JsonField& omero) {
     if (const auto color = channel.find("color")) look.color = colorOf(*color);
     if (const auto window = channel.find("window")) {
       look.window = windowOf(*window);
-      look.limits = limitsOf(*window);
+      // The numbers between which viewers let users choose it.
+      look.limits = rangeIn(*window, "min", "max");
     }
     if (const auto active = channel.find("active"); active && active->isFlag())
       look.is_active = active->flag();
