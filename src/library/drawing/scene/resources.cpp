@@ -124,11 +124,13 @@ std::string smallBlocksNote(const IndexedVolume& volume) {
       static_cast<uint64_t>(sluice::volume(layout.dims)) * bytesPerVoxel(layout.type);
   constexpr uint64_t kMuch = uint64_t{256} << 20, kTimes = 8;
   if (blocks < kMuch / block_bytes || blocks / kTimes < voxel_bytes / block_bytes) return "";
+  // The chunk of a block has whole pages, however small it is.
+  const uint64_t all_bytes =
+      blocks * (block_bytes + static_cast<uint64_t>(volume.page.pageBytes()));
   return fmt::format(
-      "{}: --block {} makes {} blocks, which take up to {} of memory, {} times as much as the "
-      "voxels; larger blocks draw the same picture in less time",
-      volume.name, volume.layout.size, blocks, formatBytes(blocks * block_bytes),
-      blocks * block_bytes / voxel_bytes);
+      "{}: --block {} makes {} blocks, which take up to {} of memory if --memory has it, {} "
+      "times as much as the voxels; larger blocks draw the same picture in less time",
+      volume.name, volume.layout.size, blocks, formatBytes(all_bytes), all_bytes / voxel_bytes);
 }
 
 int64_t pageCount(const MachineOptions& machine, const IndexedVolume& volume,
