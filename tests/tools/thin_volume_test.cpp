@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "io/pictures/exr_file.h"
 #include "io/pictures/png_file.h"
@@ -91,6 +94,45 @@ TEST(ThinVolume, aSingleVoxelIsACube) {
   EXPECT_EQ(report["frames"][0]["empty"], "");
   const Rgba8Picture picture = readPng(program.folder / "a.png");
   EXPECT_GT(picture.rgba[4 * (20 * 40 + 20) + 3], 60);
+}
+
+// The crop may say more planes than the volume has.
+TEST(CropOfOnePlane, mayReachBeyondTheVolume) {
+  const Program program;
+  const auto draw = [&](const std::string& box) {
+    const std::string line = "render synth:phantom,dims=24x24x24 --no-shade --size 40x40 --force ";
+    const auto report = program.json(line + "-o a.png --crop " + box);
+    EXPECT_TRUE(report["warnings"].empty()) << report["warnings"];
+    return readFile(program.folder / "a.png");
+  };
+  for (const auto& [inside, beyond] : {std::pair("23,0,0,24,24,24", "23,0,0,99,24,24"),
+                                       {"0,23,0,24,24,24", "0,23,0,24,25,24"},
+                                       {"0,0,23,24,24,24", "0,0,23,99,99,99"}})
+    EXPECT_TRUE(draw(inside) == draw(beyond)) << beyond;
+}
+
+// The planes beside it are not shown, so that they do not frame the picture either.
+TEST(CropOfOnePlane, isFramedWhateverLiesBesideIt) {
+  const Program program;
+  const auto draw = [&](const std::string& name, const std::vector<int>& full) {
+    std::string bytes;
+    for (int z = 0; z < kThinSide; ++z)
+      for (int y = 0; y < kThinSide; ++y)
+        for (int x = 0; x < kThinSide; ++x) {
+          const bool is_spot = x / 4 == 3 && y / 4 == 3;
+          bytes += static_cast<char>(std::ranges::count(full, z) > 0 || is_spot ? 200 : 0);
+        }
+    writeFile(program.folder / fmt::format("{0}_{1}x{1}x{1}_uint8.raw", name, kThinSide), bytes);
+    const CommandResult drawn = program.run(fmt::format(
+        "render {0}_{1}x{1}x{1}_uint8.raw -o {0}.png --crop 0,0,20,{1},{1},21 --threshold 100 "
+        "--opacity 1 --no-shade --size 60x60",
+        name, kThinSide));
+    EXPECT_EQ(drawn.status, 0) << drawn.output;
+    return readFile(program.folder / (name + ".png"));
+  };
+  const std::string alone = draw("alone", {});
+  EXPECT_TRUE(draw("above", {21}) == alone);
+  EXPECT_TRUE(draw("below", {19}) == alone);
 }
 
 }  // namespace

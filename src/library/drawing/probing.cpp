@@ -258,7 +258,7 @@ std::optional<VoxelProbe> probeAlong(const ProbeRequest& request, Session& sessi
   const double first = request.transfer.colors.front().value;
   const double span = request.transfer.colors.back().value - first;
   double in_front = 0;  // attenuated: the integral over the way so far
-  const VoxelPlanes planes = planesOf(request.options.crop);
+  const VoxelPlanes planes = planesOf(request.options.crop, layout.dims);
   Values values(session, step);
   double through = 1, most = composite ? 0 : -std::numeric_limits<double>::infinity();
   std::optional<VoxelProbe> found;

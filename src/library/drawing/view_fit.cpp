@@ -69,11 +69,15 @@ std::vector<Vec3d> visiblePoints(const FitRequest& request, const IndexPass& pas
   for (const FittedVolume& fitted : request.volumes) {
     const VolumeLayout& layout = fitted.volume.source->layout();
     const std::optional<Box3> crop = cropOn(layout, first, request.frame.crop);
+    const Box3 cells = cropCells(crop, layout.dims);
     VisibleHull hull(layout);
-    for (int64_t time = 0; time < layout.time_steps; ++time) {
+    // The cells of a single plane have values of the next one, too, which is not shown.
+    const bool is_plane = planesOf(crop, layout.dims) != VoxelPlanes();
+    if (is_plane) hull.add(std::vector{cells});
+    for (int64_t time = 0; time < layout.time_steps && !is_plane; ++time) {
       if (request.this_step && time != fitted.step.time) continue;
       hull.add(shownCells(fitted.volume, valuesOfStep(fitted.volume, time, pass), fitted.transfer,
-                          cropCells(crop, layout.dims)));
+                          cells));
     }
     for (const Vec3d& point : hull.points()) points.push_back(positionOn(first, layout, point));
   }

@@ -2,6 +2,7 @@
 // data.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <memory>
 #include <optional>
@@ -131,11 +132,13 @@ inline bool colorsByDepth(const FrameOptions& options) {
   return traits.codes_depth || (traits.has_colors && options.depth_cueing > 0);
 }
 
-// The planes that are a crop's only one along an axis.
-inline VoxelPlanes planesOf(const std::optional<Box3>& crop) {
+// The planes that are the only one along an axis of what a crop has of a volume.
+inline VoxelPlanes planesOf(const std::optional<Box3>& crop, Vec3i dims) {
   VoxelPlanes planes;
-  for (int a = 0; crop && a < 3; ++a)
-    if (crop->hi[a] - crop->lo[a] == 1) planes[static_cast<size_t>(a)] = crop->lo[a];
+  if (!crop) return planes;
+  const Box3 inside = intersect(*crop, boxOf(dims));
+  for (int a = 0; a < 3; ++a)
+    if (inside.hi[a] - inside.lo[a] == 1) planes[static_cast<size_t>(a)] = inside.lo[a];
   return planes;
 }
 
@@ -146,11 +149,11 @@ inline Box3 cropCells(const std::optional<Box3>& crop, Vec3i dims) {
   const Box3 all = boxOf(dims - Vec3i{1, 1, 1});
   if (!crop) return all;
   Box3 cells{crop->lo, crop->hi - Vec3i{1, 1, 1}};
-  const VoxelPlanes planes = planesOf(crop);
+  const VoxelPlanes planes = planesOf(crop, dims);
   for (int a = 0; a < 3; ++a) {
     const auto plane = planes[static_cast<size_t>(a)];
     if (!plane) continue;
-    if (*plane == dims[a] - 1) --cells.lo[a];
+    cells.lo[a] = std::min(*plane, dims[a] - 2);
     cells.hi[a] = cells.lo[a] + 1;
   }
   return intersect(cells, all);

@@ -86,7 +86,7 @@ FramePlanPtr Planner::plan(const TimeStep& step, const VisibleBlocksPtr& visible
                            const FrameOptions& options, const TexturePlanPtr& clusters) {
   // The clusters are part of the key, as a plan of one medium has the clusters of all channels.
   const Box3 crop = cropCells(options, step.ranges->layout.dims);
-  const VoxelPlanes planes = planesOf(options.crop);
+  const VoxelPlanes planes = planesOf(options.crop, step.ranges->layout.dims);
   return plan_.of(
       {step, visible, options.algorithm, options.merge_order, crop, planes, clusters}, [&] {
         return makeFramePlan(

@@ -31,7 +31,7 @@ int finestLevelOf(const Scene& scene, const Layer& layer, const TimeStep& step, 
 double chosenStepOf(const Scene& scene, const Layer& layer, const TimeStep& step, const View& view,
                     const FrameOptions& options) {
   // One plane is drawn a finest voxel thick at any level: wider steps would pass it.
-  const int level = planesOf(options.crop) != VoxelPlanes()
+  const int level = planesOf(options.crop, step.source->layout().dims) != VoxelPlanes()
                         ? 0
                         : finestLevelOf(scene, layer, step, view, options);
   // At the edge of a body, light changes faster from slice to slice than values do, which shows as
