@@ -48,13 +48,14 @@ void expectFollows(const ColorRamp& ramp, const std::vector<float>& rgba) {
 }
 
 TEST(ColorRamp, followsLinearOpacities) {
-  for (const auto& [lo, hi] : {std::pair{100.3, 12000.6},
-                               {200.0, 9000.0},
-                               {-60.0, 16383.0},
-                               {-9000.0, 20000.0},
-                               {9001.99, 16000.2}})
+  for (const auto& ends : {std::pair{100.3, 12000.6},
+                           {200.0, 9000.0},
+                           {-60.0, 16383.0},
+                           {-9000.0, 20000.0},
+                           {9001.99, 16000.2}})
     for (const double most : {0.002, 0.05, 0.9})
       for (const bool is_premultiplied : {false, true}) {
+        const double lo = ends.first, hi = ends.second;
         const std::vector<float> rgba =
             entriesOf([&](size_t entry) { return rampAt(entry, lo, hi, most); }, is_premultiplied);
         const auto ramp = colorRamp(rgba);
