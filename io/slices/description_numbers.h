@@ -1,14 +1,18 @@
 // Fields of a TIFF's description, and the numbers in them.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <map>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "io/slices/page_order.h"
+#include "src/base/files/json_field.h"
 #include "src/base/files/number_text.h"
+#include "src/base/sources/volume_times.h"
 
 namespace sluice {
 
@@ -34,6 +38,20 @@ inline constexpr double kFarthest = 1e15;
 inline double lengthOr1(std::optional<double> length) {
   constexpr double kLeast = 1e-15, kMost = 1e15;
   return length && *length >= kLeast && *length <= kMost ? *length : 1;
+}
+
+// The time between frames as a description gives it, in a unit as it abbreviates it; nullopt: none.
+inline std::optional<TimeAxis> frameTimes(std::optional<double> step, std::string_view unit) {
+  if (!step || !std::isfinite(*step) || *step <= 0) return std::nullopt;
+  constexpr std::pair<std::string_view, const char*> kUnits[] = {
+      {"s", "second"},       {"sec", "second"},
+      {"ms", "millisecond"}, {"msec", "millisecond"},
+      {"us", "microsecond"}, {"\u00b5s", "microsecond"},
+      {"ns", "nanosecond"},  {"min", "minute"},
+      {"h", "hour"},         {"d", "day"}};
+  for (const auto& [brief, name] : kUnits)
+    if (unit == brief) return TimeAxis{*step, 0, name};
+  return TimeAxis{*step, 0, printable(std::string(unit))};
 }
 
 }  // namespace sluice

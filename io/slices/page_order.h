@@ -2,15 +2,11 @@
 // value.
 #pragma once
 
-#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <string>
-#include <string_view>
-#include <utility>
 #include <vector>
 
-#include "src/base/files/json_field.h"
 #include "src/base/sources/volume_channels.h"
 #include "src/base/sources/volume_times.h"
 #include "src/base/values/vec.h"
@@ -67,20 +63,6 @@ inline PageOrder plainPages(int64_t pages) {
 
 // The most planes that a description may name.
 inline constexpr int64_t kMostPlanes = 100'000'000;
-
-// The time between frames as a description gives it, in a unit as it abbreviates it; nullopt: none.
-inline std::optional<TimeAxis> frameTimes(std::optional<double> step, std::string_view unit) {
-  if (!step || !std::isfinite(*step) || *step <= 0) return std::nullopt;
-  constexpr std::pair<std::string_view, const char*> kUnits[] = {
-      {"s", "second"},       {"sec", "second"},
-      {"ms", "millisecond"}, {"msec", "millisecond"},
-      {"us", "microsecond"}, {"\u00b5s", "microsecond"},
-      {"ns", "nanosecond"},  {"min", "minute"},
-      {"h", "hour"},         {"d", "day"}};
-  for (const auto& [brief, name] : kUnits)
-    if (unit == brief) return TimeAxis{*step, 0, name};
-  return TimeAxis{*step, 0, printable(std::string(unit))};
-}
 
 // Planes that the counts name; -1: more than that.
 inline int64_t planesOf(const PageOrder& order) {

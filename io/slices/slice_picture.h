@@ -49,8 +49,8 @@ struct PictureFormat {
   static constexpr int64_t kMaxSide = 1'000'000;
 };
 
-// What was read of a picture file to open it. With these tables, it is opened again without reading
-// them: a TIFF of thousands of pages has a table for each.
+// What was read of a picture file to open it. A file whose tables are known is opened again without
+// reading them: a TIFF of thousands of pages has a table for each.
 struct PictureTables {
   virtual ~PictureTables() = default;
   PictureFormat format;

@@ -14,7 +14,6 @@
 #include "src/classify/transfer/label_table.h"
 #include "src/classify/transfer/transfer_file.h"
 #include "src/classify/transfer/transfer_makers.h"
-#include "src/render/blocks/cut/cut_rules.h"
 #include "src/render/camera/index_space.h"
 
 namespace sluice {
@@ -379,26 +378,6 @@ bool needsStatistics(const LookArguments& look) {
   const bool stands_alone =
       look.threshold || !look.opacities.empty() || !look.transfer_file.empty();
   return !(look.range && stands_alone) || look.labels;
-}
-
-double stepFor(const View& view, const VolumeLayout& layout) {
-  double pixel = 2 * view.half_height / view.size.height;
-  if (view.projection == Projection::kPerspective) {
-    const Vec3d center = worldFromIndex(layout, toDouble(layout.dims - Vec3i{1, 1, 1}) * 0.5);
-    pixel *= std::max(0.0, dot(center - view.eye, view.forward));
-  }
-  // If a voxel covers more than a pixel, the picture shows the slices in it.
-  return pixel < finestSpacing(layout) ? 0.5 : 1;
-}
-
-double stepFor(const View& view, const TimeStep& step, int finest_level) {
-  VolumeLayout level = step.source->layout();
-  const double times = spacingOfLevel(step, finest_level);
-  // The level as if it were a volume of its own.
-  level.spacing = level.spacing * times;
-  for (int a = 0; a < 3; ++a)
-    level.dims[a] = std::max<int64_t>(1, std::llround(static_cast<double>(level.dims[a]) / times));
-  return tidyNumber(times * stepFor(view, level));
 }
 
 }  // namespace sluice

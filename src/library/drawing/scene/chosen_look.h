@@ -10,8 +10,6 @@
 #include "src/classify/transfer/transfer_function.h"
 #include "src/device/frame_values.h"
 #include "src/library/requests.h"
-#include "src/render/blocks/time_step.h"
-#include "src/render/camera/camera.h"
 
 namespace sluice {
 
@@ -54,11 +52,5 @@ bool needsGradients(const LookArguments& look, Mode mode);
 
 // Whether the look follows from the values of the volume at all.
 bool needsStatistics(const LookArguments& look);
-
-// Slices of half a voxel if a pixel is smaller than a voxel, because the picture shows the
-// difference then.
-double stepFor(const View& view, const VolumeLayout& layout);
-// The same for a picture whose finest level is this one, as if that were all of the volume.
-double stepFor(const View& view, const TimeStep& step, int finest_level);
 
 }  // namespace sluice

@@ -268,4 +268,8 @@ struct Scene : Layer {
                  std::vector<LayerFrame>& parts);
 };
 
+// The distance between slices of a volume by itself: half a voxel if a pixel is smaller than a
+// voxel, because the picture shows the difference then.
+double stepFor(const View& view, const VolumeLayout& layout);
+
 }  // namespace sluice

@@ -1,11 +1,14 @@
 // The distance between slices of a scene's pictures for which nobody sets one.
 #include <algorithm>
+#include <cmath>
 #include <memory>
 
+#include "src/base/values/tidy_number.h"
 #include "src/library/drawing/scene/scene.h"
 #include "src/library/drawing/scene/shared_world.h"
 #include "src/render/blocks/cut/cut_rules.h"
 #include "src/render/camera/frame_setup.h"
+#include "src/render/camera/index_space.h"
 #include "src/render/session/planner.h"
 
 namespace sluice {
@@ -27,6 +30,17 @@ int finestLevelOf(const Scene& scene, const Layer& layer, const TimeStep& step, 
   return finestLevelDrawn(*blocks);
 }
 
+// stepFor() of a picture whose finest level is this one.
+double stepAtLevel(const View& view, const TimeStep& step, int finest_level) {
+  VolumeLayout level = step.source->layout();
+  const double times = spacingOfLevel(step, finest_level);
+  // The level as if it were a volume of its own.
+  level.spacing = level.spacing * times;
+  for (int a = 0; a < 3; ++a)
+    level.dims[a] = std::max<int64_t>(1, std::llround(static_cast<double>(level.dims[a]) / times));
+  return tidyNumber(times * stepFor(view, level));
+}
+
 // The distance between slices of a layer for which nobody sets one.
 double chosenStepOf(const Scene& scene, const Layer& layer, const TimeStep& step, const View& view,
                     const FrameOptions& options) {
@@ -38,7 +52,7 @@ double chosenStepOf(const Scene& scene, const Layer& layer, const TimeStep& step
   // rings. Frames of a moving picture that shows coarser levels have no time for more slices.
   constexpr double kLitFactor = 0.5;
   const bool is_finer = layer.look.lit && (level == 0 || !options.time_limit_s);
-  const double chosen = stepFor(view, step, level) * (is_finer ? kLitFactor : 1);
+  const double chosen = stepAtLevel(view, step, level) * (is_finer ? kLitFactor : 1);
   if (!options.integrates || drawsCut(step, options.cut, options.mode, layer.look.transfer))
     return chosen;
   // As long as frames may integrate.
@@ -48,6 +62,16 @@ double chosenStepOf(const Scene& scene, const Layer& layer, const TimeStep& step
 }
 
 }  // namespace
+
+double stepFor(const View& view, const VolumeLayout& layout) {
+  double pixel = 2 * view.half_height / view.size.height;
+  if (view.projection == Projection::kPerspective) {
+    const Vec3d center = worldFromIndex(layout, toDouble(layout.dims - Vec3i{1, 1, 1}) * 0.5);
+    pixel *= std::max(0.0, dot(center - view.eye, view.forward));
+  }
+  // If a voxel covers more than a pixel, the picture shows the slices in it.
+  return pixel < finestSpacing(layout) ? 0.5 : 1;
+}
 
 std::vector<TimeStep> Scene::openedSteps() const {
   std::vector<TimeStep> steps;
