@@ -220,6 +220,9 @@ struct LevelFade {
   friend bool operator==(const LevelFade&, const LevelFade&) = default;
 };
 
+// The most boxes that join another one at seams: at a corner of a block seven others meet it.
+inline constexpr size_t kMostJoined = 7;
+
 // A box of cells to resample from one resident chunk: p with cells.lo <= p < cells.hi. Samples up
 // to a texel beyond the outermost texels of the chunk have the values of those.
 struct BoxDraw {
@@ -239,8 +242,7 @@ struct BoxDraw {
   // on one side of a face for the one and on the other side for the other, so that neither would
   // show it.
   std::optional<Box3> beside = {};
-  // Frames with surfaces: the share of those that let light through. A box beside another one that
-  // has it draws these surfaces in place of the opaque ones.
+  // Frames with surfaces: the share of those that let light through.
   std::optional<LevelFade> fade = {};
 };
 

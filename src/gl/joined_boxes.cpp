@@ -29,7 +29,7 @@ void GlDevice::drawJoined(std::span<const BoxDraw> boxes) {
   const ShaderVariant of_box =
       besideVariant(setup_, boxVariant(variant_, scale, have_spreads[0]), box);
   have_spreads.erase(have_spreads.begin());
-  const ShaderVariant variant = withJoined(setup_, of_box, have_spreads);
+  const ShaderVariant variant = withJoined(of_box, have_spreads);
   GlProgram& program = programFor(variant);
   const auto number = [](size_t i) { return static_cast<int>(i) - 1; };
   if (told_.insert(variant).second) {

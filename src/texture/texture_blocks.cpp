@@ -1,5 +1,6 @@
 // The texture blocks of a plan, before they have chunks and clusters.
 #include <algorithm>
+#include <bit>
 
 #include "src/base/error.h"
 #include "src/texture/texture_plan.h"
@@ -41,7 +42,7 @@ TextureBlock seamBlock(const PyramidLayout& pyramid, const VisibleBlocks& visibl
   ObjectBlock object;
   object.name = seam.coarse;
   object.cells = seam.cells;
-  object.trimming_axis = seam.face % 3;  // a seam is thin across its face
+  object.trimming_axis = std::countr_zero(seam.faces) % 3;  // a seam is thin across its face
   TextureBlock result =
       loadsWholeBlocks(algorithm) ? wholeBlock(pyramid, object) : trimmedBlock(pyramid, object);
   result.seam = static_cast<int32_t>(number);
@@ -53,7 +54,7 @@ void visitWithSeams(const PyramidLayout& pyramid, const VisibleBlocks& visible, 
                     const TextureBlock& block,
                     const std::function<void(const TextureBlock&)>& visit) {
   visit(block);
-  if (visible.seams.empty() || block.level_faces == 0) return;
+  if (visible.seams.empty()) return;
   const auto first = std::ranges::lower_bound(visible.seams, block.name, {}, &LevelSeam::fine);
   for (auto seam = first; seam != visible.seams.end() && seam->fine == block.name; ++seam)
     visit(

@@ -1,5 +1,4 @@
-// Surfaces that let light through where blocks of two levels meet: the seams of a cut, and shares
-// that add up to 1.
+// Surfaces where blocks of two levels meet: the seams of a cut, and shares that add up to 1.
 #include "src/render/frame/level_fades.h"
 
 #include <gtest/gtest.h>
@@ -33,13 +32,18 @@ ObjectBlock blockAt(const PyramidLayout& pyramid, int level, Vec3i index) {
 struct Cut {
   PyramidLayout pyramid = pyramidOf();
   std::vector<ObjectBlock> blocks;
+  bool with_edges = false;
 
   // `hidden_level`: the picture shows no block of it.
   std::vector<LevelSeam> seams(const Box3& crop = kShown, int hidden_level = -1) {
     std::ranges::sort(blocks, {}, &ObjectBlock::name);
     setLevelFaces(pyramid, blocks);
     return takeLevelSeams(
-        pyramid, crop, [&](const BlockName& name) { return name.level != hidden_level; }, blocks);
+        pyramid,
+        {.crop = crop,
+         .with_edges = with_edges,
+         .is_in_picture = [&](const BlockName& name) { return name.level != hidden_level; }},
+        blocks);
   }
 };
 
@@ -63,10 +67,10 @@ TEST(LevelFades, aSeamIsAsWideAsTheCoarserBlocksTexelsReach) {
   const std::vector<LevelSeam> seams = cut.seams();
   ASSERT_EQ(seams.size(), 2U);
   // A voxel of the coarser level, although its ghost layer reaches farther.
-  EXPECT_EQ(seams[0].face, 3);
+  EXPECT_EQ(seams[0].faces, 1U << 3);
   EXPECT_EQ(seams[0].coarse.level, 1);
   EXPECT_EQ(seams[0].cells, (Box3{{42, 33, 33}, {44, 44, 44}}));
-  EXPECT_EQ(seams[1].face, 4);
+  EXPECT_EQ(seams[1].faces, 1U << 4);
   EXPECT_EQ(seams[1].coarse.level, 2);
   EXPECT_EQ(seams[1].cells, (Box3{{33, 40, 33}, {44, 44, 44}}));
 }
@@ -104,6 +108,61 @@ TEST(LevelFades, theSharesOfAllBlocksAddUpToOne) {
     EXPECT_FALSE(fades.within(cut.blocks[coarse].name)) << "drawn in full";
 }
 
+// Blocks of level 1 at a face, an edge and a corner of the finer block.
+TEST(LevelFades, opaqueSurfacesHaveSeamsAtEdgesAndCornersToo) {
+  Cut cut;
+  cut.blocks = {blockAt(cut.pyramid, 0, {3, 3, 3}), blockAt(cut.pyramid, 1, {2, 1, 2}),
+                blockAt(cut.pyramid, 1, {2, 2, 2}), blockAt(cut.pyramid, 1, {1, 2, 1})};
+  EXPECT_EQ(cut.seams().size(), 1U);
+  cut.with_edges = true;
+  const std::vector<LevelSeam> seams = cut.seams();
+  ASSERT_EQ(seams.size(), 3U);
+  EXPECT_EQ(seams[0].faces, 1U << 4) << "faces come first";
+  EXPECT_EQ(seams[1].faces, 1U << 3 | 1U << 5);
+  EXPECT_EQ(seams[1].coarse, cut.blocks[2].name);
+  EXPECT_EQ(seams[1].cells, (Box3{{42, 33, 42}, {44, 44, 44}}));
+  EXPECT_EQ(seams[2].faces, 1U << 3 | 1U << 4 | 1U << 5);
+  EXPECT_EQ(seams[2].coarse, cut.blocks[3].name);
+  EXPECT_EQ(seams[2].cells, (Box3{{42, 42, 42}, {44, 44, 44}}));
+  const LevelFades fades(seams);
+  for (const double at : {42.0, 43.5, 44.0}) {
+    EXPECT_EQ(shareAt(fades.rest(seams[1]), {at, 40, at}), 0) << "of surfaces that fade";
+    EXPECT_EQ(shareAt(fades.rest(seams[2]), {at, at, at}), 0);
+  }
+  EXPECT_FALSE(fades.hasSeamAt(seams[0].fine, 3));
+  EXPECT_TRUE(fades.hasSeamAt(seams[0].fine, 4));
+  EXPECT_EQ(fades.cellsInFiner(seams[1].coarse), (std::vector<Box3>{seams[1].cells}));
+}
+
+// A block of level 2 that meets the finer block at a face reaches around its edge.
+TEST(LevelFades, aBlockHasOneSeamWithAnother) {
+  Cut cut;
+  cut.with_edges = true;
+  cut.blocks = {blockAt(cut.pyramid, 0, {3, 2, 3}), blockAt(cut.pyramid, 2, {1, 0, 0})};
+  const std::vector<LevelSeam> seams = cut.seams();
+  ASSERT_EQ(seams.size(), 1U);
+  EXPECT_EQ(seams[0].faces, 1U << 3);
+}
+
+// Rays pass what is cut off before the finer block's box from the outside inwards, and what lies
+// behind it the other way.
+TEST(LevelFades, theRestAtACornerIsDrawnFrontToBack) {
+  LevelSeam seam;
+  seam.faces = 1U << 3 | 1U << 4;
+  seam.cells = {{40, 40, 33}, {44, 44, 44}};
+  const Box3 fine{{33, 33, 33}, {42, 42, 44}}, last_x{{42, 40, 33}, {44, 44, 44}},
+      last_y{{40, 42, 33}, {42, 44, 44}};
+  const SeamBoxes behind = seamBoxes(seam, {}, fine, kShown, {true, {1, 1, 1}});
+  EXPECT_EQ(behind.joined->cells, (Box3{{40, 40, 33}, {42, 42, 44}}));
+  ASSERT_EQ(behind.behind.size(), 2U);
+  EXPECT_EQ(behind.behind[0].cells, last_y);
+  EXPECT_EQ(behind.behind[1].cells, last_x);
+  const SeamBoxes before = seamBoxes(seam, {}, fine, kShown, {true, {-1, -1, 1}});
+  ASSERT_EQ(before.before.size(), 2U);
+  EXPECT_EQ(before.before[0].cells, last_x);
+  EXPECT_EQ(before.before[1].cells, last_y);
+}
+
 // The finer block's box may end before its face: the rest of the seam is drawn on its own.
 TEST(LevelFades, theRestJoinsTheFinerBlockAsFarAsThatShowsSomething) {
   Cut cut = cutOfThree();
@@ -111,17 +170,19 @@ TEST(LevelFades, theRestJoinsTheFinerBlockAsFarAsThatShowsSomething) {
   const Box3 fine{{33, 33, 33}, {44, 42, 44}};
   for (const double way : {1.0, -1.0}) {
     const SeamBoxes boxes = seamBoxes(seam, {}, fine, kShown, {true, {1, way, 1}});
-    ASSERT_TRUE(boxes.joined && boxes.beyond);
+    const std::vector<BoxDraw>& beyond = way < 0 ? boxes.before : boxes.behind;
+    ASSERT_TRUE(boxes.joined);
+    ASSERT_EQ(beyond.size(), 1U);
+    ASSERT_EQ(boxes.before.size() + boxes.behind.size(), 1U);
     EXPECT_TRUE(boxes.joined->joins);
-    EXPECT_FALSE(boxes.beyond->joins);
+    EXPECT_FALSE(beyond[0].joins);
     EXPECT_EQ(boxes.joined->cells, (Box3{{33, 40, 33}, {44, 42, 44}}));
-    EXPECT_EQ(boxes.beyond->cells, (Box3{{33, 42, 33}, {44, 44, 44}}));
+    EXPECT_EQ(beyond[0].cells, (Box3{{33, 42, 33}, {44, 44, 44}}));
     EXPECT_EQ(boxes.joined->beside, fine) << "the layer of the finer block";
-    EXPECT_EQ(boxes.beyond->beside, fine);
-    EXPECT_EQ(boxes.is_before, way < 0);
+    EXPECT_EQ(beyond[0].beside, fine);
   }
   const SeamBoxes all = seamBoxes(seam, {}, seam.cells, kShown, {true, {1, 1, 1}});
-  EXPECT_FALSE(all.beyond);
+  EXPECT_TRUE(all.before.empty() && all.behind.empty());
   const SeamBoxes none =
       seamBoxes(seam, {}, {{33, 33, 33}, {44, 39, 44}}, kShown, {true, {1, 1, 1}});
   EXPECT_FALSE(none.joined);

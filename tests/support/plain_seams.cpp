@@ -37,7 +37,7 @@ void PlainDevice::blendSurfaces(const PlainRay& ray, const BoxDraw& box, const C
   const auto addFrom = [&](const BoxDraw& from, const ChunkTexels& texels) {
     for (const PlainSurface& surface : surfacesBetween(
              setup_, from.texels, texels, [&](double part) { return ray.at(k - 0.5 + part); })) {
-      if (from.beside && (surface.level.opacity < 1) != from.fade.has_value()) continue;
+      if (from.beside && !from.fade && surface.level.opacity < 1) continue;
       const Vec3d at = ray.at(k - 0.5 + surface.part);
       const Vec3d rgb = setup_.lit
                             ? litPlainly(setup_, at, surface.level.rgb, {surface.gradient}, 0)

@@ -7,6 +7,7 @@
 // values are not known may show something in every cell: it is black.
 #pragma once
 
+#include <bit>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -36,12 +37,16 @@ struct ObjectBlock {
   unsigned level_faces = 0;
 };
 
-// A face at which a block of a cut meets a coarser one. Surfaces that let light through are drawn
-// by both blocks in cells of the finer one, see LevelFade.
+// Where a block of a cut meets a coarser one: at a face, an edge or a corner. Surfaces are drawn by
+// both blocks in cells of the finer one, see LevelFade.
 struct LevelSeam {
   BlockName fine, coarse;
-  Box3 cells;    // those of the finer block next to the face
-  int face = 0;  // the finer block's, by the bits of ObjectBlock::level_faces
+  Box3 cells;  // those of the finer block next to the coarser one
+  // The finer block's face, or the faces that its edge or corner lies on, by the bits of
+  // ObjectBlock::level_faces.
+  unsigned faces = 0;
+
+  bool isFace() const { return std::has_single_bit(faces); }
 
   friend bool operator==(const LevelSeam&, const LevelSeam&) = default;
 };
@@ -64,7 +69,7 @@ struct VisibleBlocks {
   // Those that CutSummary::thin_blocks counts before anything is read, ascending.
   std::vector<BlockName> thin = {};
   // The seams of the whole picture, of which these may be a rank's blocks: ascending by the finer
-  // block and its face. Empty if no surface lets light through.
+  // block, whose faces come first. Empty if there are no surfaces.
   std::vector<LevelSeam> seams = {};
   // On several ranks, if every block is loaded; unset: all blocks belong to this process.
   std::optional<BlockShare> share = {};

@@ -342,9 +342,7 @@ void drawTyped(const KernelFrame& frame, const KernelBox* boxes, const uint32_t*
   for (size_t i = 0; i < count; ++i) {
     if (i % kBoxesBetweenLooks == 0 && isThrough(frame, tile)) return;
     const KernelBox& box = boxes[indices[i]];
-    const KernelFrame& of_box = !box.is_beside ? frame
-                                : box.fades    ? *frame.beside_clear
-                                               : *frame.beside;
+    const KernelFrame& of_box = !box.is_beside ? frame : box.fades ? *frame.at_seam : *frame.beside;
     if (!box.is_beside || of_box.surfaces > 0) drawOne<kType>(of_box, box, tile);
   }
 }

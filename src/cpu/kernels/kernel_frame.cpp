@@ -164,26 +164,22 @@ void FrameTables::setSurfaces(const LookUp& look_up) {
   frame_.has_opacities = showsOpacities(look_up);
 }
 
-// The same frame with its opaque surfaces alone, and with the others alone.
+// The same frame with its surfaces alone, and with the opaque ones alone.
 void FrameTables::setBeside() {
-  const auto with = [this](bool opaque) {
-    KernelFrame frame = frame_;
-    // Opacities are drawn in the cells of a block alone.
-    frame.has_opacities = frame.counts_taken = false;
-    frame.surfaces = 0;
-    for (size_t i = 0; i < static_cast<size_t>(frame_.surfaces); ++i) {
-      if ((frame_.surface_opacity[i] < 1) == opaque) continue;
-      const auto to = static_cast<size_t>(frame.surfaces++);
-      frame.level[to] = frame_.level[i];
-      frame.surface_opacity[to] = frame_.surface_opacity[i];
-      for (size_t c = 0; c < 3; ++c) frame.surface_rgb[c][to] = frame_.surface_rgb[c][i];
-    }
-    return frame;
-  };
-  beside_ = with(true);
-  beside_clear_ = with(false);
+  at_seam_ = frame_;
+  // Opacities are drawn in the cells of a block alone.
+  at_seam_.has_opacities = at_seam_.counts_taken = false;
+  beside_ = at_seam_;
+  beside_.surfaces = 0;
+  for (size_t i = 0; i < static_cast<size_t>(frame_.surfaces); ++i) {
+    if (frame_.surface_opacity[i] < 1) continue;
+    const auto to = static_cast<size_t>(beside_.surfaces++);
+    beside_.level[to] = frame_.level[i];
+    beside_.surface_opacity[to] = frame_.surface_opacity[i];
+    for (size_t c = 0; c < 3; ++c) beside_.surface_rgb[c][to] = frame_.surface_rgb[c][i];
+  }
   frame_.beside = &beside_;
-  frame_.beside_clear = &beside_clear_;
+  frame_.at_seam = &at_seam_;
 }
 
 void FrameTables::setLights(const FrameSetup& setup, const uint64_t* light_squares) {

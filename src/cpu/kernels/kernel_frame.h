@@ -51,7 +51,7 @@ class FrameTables {
   void setRows(const FrameSetup& setup);
 
   KernelFrame frame_;
-  KernelFrame beside_, beside_clear_;  // with surfaces
+  KernelFrame beside_, at_seam_;  // with surfaces
   std::vector<float> row_starts_, row_growths_;
 };
 

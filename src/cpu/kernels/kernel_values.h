@@ -82,8 +82,8 @@ struct KernelFrame {
   std::array<std::array<float, kMostSurfaces>, 3> surface_rgb{};
   Float3 place_origin{};  // of the pixel at the lower left corner, from placeBase()
   bool has_opacities = true;
-  // The same for boxes beside others, see BoxDraw::beside: of opaque surfaces, and of the others.
-  const KernelFrame *beside = nullptr, *beside_clear = nullptr;
+  // The same for boxes beside others, see BoxDraw::beside: of opaque surfaces, and at seams of all.
+  const KernelFrame *beside = nullptr, *at_seam = nullptr;
 
   // For chunks with spreads: LookUp::expected as premultiplied rows. A mean's entry is mean *
   // mean_scale + mean_offset; a spread's row, from 1 on, is sqrt(spread * spread_scale) * rows.
@@ -116,7 +116,6 @@ struct KernelFrame {
 };
 
 inline constexpr float kInside = 1e30F;
-inline constexpr size_t kMostJoined = 6;  // a face of a block each
 
 // A box of cells with the texels around them: at least two along each axis. Coordinates of voxels
 // count from the box's lower corner, along the volume's axes; coordinates of texels count from the

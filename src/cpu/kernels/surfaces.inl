@@ -253,10 +253,9 @@ HWY_INLINE void Passage<kType, kShading>::addSurfacesOf(JoinedWay& way, V k, M w
     way.has_front = false;
     return;
   }
-  // Opaque surfaces have no share.
-  const KernelFrame& clear = *frame.beside_clear;
+  const KernelFrame& at_seam = *frame.at_seam;
   const V none = hn::Zero(F());
-  const Passage<kType, kJoined> passage{clear, *way.box, way.first, way.pace,     none,
+  const Passage<kType, kJoined> passage{at_seam, *way.box, way.first, way.pace,     none,
                                         ray_length, cellsOf(*way.box), true, none, in_box,
                                         places};
   const Cells stored = storedCells(*way.box);
@@ -265,7 +264,7 @@ HWY_INLINE void Passage<kType, kShading>::addSurfacesOf(JoinedWay& way, V k, M w
   way.front = passage.sharedEndAt(hn::Add(slice, all(1.0F)), stored);
   way.has_front = true;
   const Stretch stretch{front, way.front};
-  const M meets = meetingAmong<kType>(clear, in_box, stretch);
+  const M meets = meetingAmong<kType>(at_seam, in_box, stretch);
   if (!hn::AllFalse(F(), meets)) passage.addMet(slice, meets, stretch, stored, met);
 }
 

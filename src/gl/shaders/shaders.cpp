@@ -126,7 +126,7 @@ std::string joinedText(const ShaderVariant& variant) {
   std::string text = fmt::format(
       "float met_part[{0}];\nvec4 met_color[{0}];\nint met_count;\n"
       "#undef FLAT\n#define FLAT\n",
-      variant.surfaces + variant.joined * variant.joined_surfaces);
+      variant.surfaces * (1 + variant.joined));
   std::string enter, add, may = "false";
   for (int i = 0; i < variant.joined; ++i) {
     text += ownText(joinedVariant(variant, i), static_cast<size_t>(i),
@@ -185,9 +185,7 @@ std::string samplingText(const ShaderVariant& variant) {
 
 ShaderVariant joinedVariant(const ShaderVariant& of, int number) {
   ShaderVariant variant = of;
-  variant.joined = variant.joined_spreads = variant.joined_surfaces = 0;
-  variant.surfaces = of.joined_surfaces;
-  variant.drawn_surfaces = DrawnSurfaces::kClear;
+  variant.joined = variant.joined_spreads = 0;
   variant.has_opacities = false;
   variant.fades = variant.scaled = true;
   variant.spread = (of.joined_spreads >> number & 1) != 0;

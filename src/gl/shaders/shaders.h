@@ -9,9 +9,6 @@
 
 namespace sluice {
 
-// Boxes beside others draw some of the surfaces, see BoxDraw::beside.
-enum class DrawnSurfaces { kAll, kOpaque, kClear };
-
 // Selects the loop's body. Two frames with equal variants share a program.
 struct ShaderVariant {
   Combining combining = Combining::kBlend;
@@ -38,11 +35,11 @@ struct ShaderVariant {
   bool integrates = false;    // segments in place of samples, see FrameSetup
   int surfaces = 0;           // how many surfaces there are, see FrameSetup
   bool has_opacities = true;  // with surfaces: the look-up shows something else, too
-  DrawnSurfaces drawn_surfaces = DrawnSurfaces::kAll;
-  bool fades = false;  // with surfaces: see BoxDraw::fade
-  // With surfaces: how many boxes join each one, which of them have spreads, by bits, and how many
-  // surfaces they draw. Their uniforms end in "_0", "_1", ...
-  int joined = 0, joined_spreads = 0, joined_surfaces = 0;
+  bool only_opaque = false;   // surfaces: see BoxDraw::beside
+  bool fades = false;         // with surfaces: see BoxDraw::fade
+  // With surfaces: how many boxes join each one, and which of them have spreads, by bits. Their
+  // uniforms end in "_0", "_1", ...
+  int joined = 0, joined_spreads = 0;
   bool light_volume = false;  // lit: light arrives as FrameSetup::light has it
   bool cues_depth = false;    // far colours are darkened, see FrameSetup::depth_cueing
   bool jitters = false;       // slices are moved along the ray, see FrameSetup::jitter

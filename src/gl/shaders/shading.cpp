@@ -104,19 +104,17 @@ void setVisible(const FrameSetup& setup, GlProgram& program) {
 }
 
 // The surfaces that a program draws.
-std::vector<SurfaceLevel> surfacesOf(const FrameSetup& setup, DrawnSurfaces drawn) {
+std::vector<SurfaceLevel> surfacesOf(const FrameSetup& setup, bool only_opaque) {
   std::vector<SurfaceLevel> surfaces = setup.look_up->surfaces;
-  if (drawn != DrawnSurfaces::kAll)
-    std::erase_if(surfaces, [drawn](const SurfaceLevel& each) {
-      return (each.opacity < 1) == (drawn == DrawnSurfaces::kOpaque);
-    });
+  if (only_opaque)
+    std::erase_if(surfaces, [](const SurfaceLevel& each) { return each.opacity < 1; });
   return surfaces;
 }
 
-void setSurfaces(const FrameSetup& setup, DrawnSurfaces drawn, GlProgram& program) {
+void setSurfaces(const FrameSetup& setup, bool only_opaque, GlProgram& program) {
   const double scale = valueScale(setup.type);
   Floats levels, colors;
-  const std::vector<SurfaceLevel> surfaces = surfacesOf(setup, drawn);
+  const std::vector<SurfaceLevel> surfaces = surfacesOf(setup, only_opaque);
   for (const SurfaceLevel& surface : surfaces) {
     levels.add(surface.level / scale);
     colors.add(surface.rgb * surface.opacity).add(surface.opacity);
@@ -204,16 +202,14 @@ ShaderVariant boxVariant(ShaderVariant frame, Vec3d scale, bool has_spread) {
 ShaderVariant besideVariant(const FrameSetup& setup, ShaderVariant of_box, const BoxDraw& box) {
   of_box.fades = box.fade.has_value();
   if (!box.beside) return of_box;
-  of_box.drawn_surfaces = box.fade ? DrawnSurfaces::kClear : DrawnSurfaces::kOpaque;
+  of_box.only_opaque = !box.fade;
   of_box.has_opacities = false;
-  of_box.surfaces = static_cast<int>(surfacesOf(setup, of_box.drawn_surfaces).size());
+  of_box.surfaces = static_cast<int>(surfacesOf(setup, of_box.only_opaque).size());
   return of_box;
 }
 
-ShaderVariant withJoined(const FrameSetup& setup, ShaderVariant of_box,
-                         const std::vector<bool>& have_spreads) {
+ShaderVariant withJoined(ShaderVariant of_box, const std::vector<bool>& have_spreads) {
   of_box.joined = static_cast<int>(have_spreads.size());
-  of_box.joined_surfaces = static_cast<int>(surfacesOf(setup, DrawnSurfaces::kClear).size());
   for (size_t i = 0; i < have_spreads.size(); ++i)
     of_box.joined_spreads |= have_spreads[i] ? 1 << i : 0;
   return of_box;
@@ -259,7 +255,7 @@ void setView(const FrameSetup& setup, PictureRows rows, GlProgram& program) {
 
 void setShading(const FrameSetup& setup, const ShaderVariant& variant, GlProgram& program) {
   if (variant.goes_ahead || variant.rough_first) setVisible(setup, program);
-  if (variant.surfaces > 0) setSurfaces(setup, variant.drawn_surfaces, program);
+  if (variant.surfaces > 0) setSurfaces(setup, variant.only_opaque, program);
   program.set("slice_length", setup.slice_length);
   if (!variant.lit && variant.gradient_rows == 0) return;
   const auto& axes = setup.camera_gradient;

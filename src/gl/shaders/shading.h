@@ -24,8 +24,7 @@ ShaderVariant boxVariant(ShaderVariant frame, Vec3d scale, bool has_spread);
 // The variant for a box with what it has of BoxDraw::beside and BoxDraw::fade, from that of others.
 ShaderVariant besideVariant(const FrameSetup& setup, ShaderVariant of_box, const BoxDraw& box);
 // The variant for a box that others join, of chunks with spreads or without.
-ShaderVariant withJoined(const FrameSetup& setup, ShaderVariant of_box,
-                         const std::vector<bool>& have_spreads);
+ShaderVariant withJoined(ShaderVariant of_box, const std::vector<bool>& have_spreads);
 // The uniforms of BoxDraw::fade, if the box has it.
 void setFade(const BoxDraw& box, GlProgram& program);
 // The members of it that channels of one frame share.

@@ -160,7 +160,7 @@ void FrameRun::drawBlock(BlockPosition position) {
     report_.stages.boxes += watch.seconds();
   }
   if (boxes == nullptr) {  // the object box holds whatever its boxes would show
-    if (hasBorders(block))
+    if (hasBorders(block) || textures().seamsOf(position) > 0)
       drawWithBorders(position, box);
     else
       drawBox(block.chunk, box);
@@ -180,7 +180,7 @@ void FrameRun::drawWithBorders(BlockPosition position, BoxDraw box) {
   const TextureBlock& block = textures().blocks[position];
   const Box3& shown = values_.setup.shown;
   const EyePosition& eye = values_.order->eye;
-  const LevelBorders borders = levelBorders(textures().pyramid, block, box, shown, eye);
+  const LevelBorders borders = levelBorders(textures().pyramid, block, box, fades_, shown, eye);
   std::vector<SeamBox> joined, before, behind;
   for (int64_t i = 1; i <= textures().seamsOf(position); ++i) {
     const TextureBlock& coarse = textures().blocks[BlockPosition(position.value() + i)];
@@ -191,7 +191,8 @@ void FrameRun::drawWithBorders(BlockPosition position, BoxDraw box) {
     rest.fade = fades_.rest(seam);
     const SeamBoxes boxes = seamBoxes(seam, rest, box.cells, shown, eye);
     if (boxes.joined) joined.push_back({coarse.chunk, *boxes.joined});
-    if (boxes.beyond) (boxes.is_before ? before : behind).push_back({coarse.chunk, *boxes.beyond});
+    for (const BoxDraw& each : boxes.before) before.push_back({coarse.chunk, each});
+    for (const BoxDraw& each : boxes.behind) behind.push_back({coarse.chunk, each});
   }
   for (const auto& [chunk, beyond] : before) drawBox(chunk, beyond);
   for (const BoxDraw& each : borders.before) drawBox(block.chunk, each);
@@ -203,7 +204,9 @@ void FrameRun::drawWithBorders(BlockPosition position, BoxDraw box) {
     of_part.cells = part.cells;
     if (!part.seams.empty()) of_part.fade = fades_.within(block.name);
     std::vector<SeamBox> with;
-    for (const size_t seam : part.seams) with.push_back(joined[seam]);
+    // A corner has more seams if levels halve some axes alone: those at faces come first.
+    const size_t count = std::min(part.seams.size(), kMostJoined);
+    for (const size_t seam : std::span(part.seams).first(count)) with.push_back(joined[seam]);
     drawBox(block.chunk, of_part, with);
   }
   for (const BoxDraw& each : borders.behind) drawBox(block.chunk, each);

@@ -127,7 +127,7 @@ class FrameRun {
 
   FrameReport report_;
   UpdateCount updates_;
-  LevelFades fades_;  // of translucent surfaces
+  LevelFades fades_;  // of surfaces
   std::optional<FrameOcclusion> occlusion_;
   IndexedVector<ChunkPosition, bool> shown_;  // with occlusion: chunks with visible boxes
   std::unique_ptr<ReadAhead> ahead_;

@@ -39,22 +39,24 @@ Box3 cellsBeside(const PyramidLayout& pyramid, const TextureBlock& block, int ax
 
 }  // namespace
 
-bool passesLowerFirst(const EyePosition& eye, int axis, int64_t plane) {
-  return eye.parallel ? eye.index[axis] >= 0 : eye.index[axis] < static_cast<double>(plane);
-}
-
 LevelBorders levelBorders(const PyramidLayout& pyramid, const TextureBlock& block,
-                          const BoxDraw& box, const Box3& shown, const EyePosition& eye) {
+                          const BoxDraw& box, const LevelFades& fades, const Box3& shown,
+                          const EyePosition& eye) {
   LevelBorders borders;
+  const std::vector<Box3> in_finer = fades.cellsInFiner(block.name);
   for (int axis = 0; axis < 3; ++axis)
     for (const bool is_upper : {false, true}) {
+      const Box3 cells = cellsBeside(pyramid, block, axis, is_upper, shown);
+      if (cells.empty() || fades.hasSeamAt(block.name, is_upper ? 3 + axis : axis)) continue;
       BoxDraw beside = box;
-      beside.cells = cellsBeside(pyramid, block, axis, is_upper, shown);
-      if (beside.cells.empty()) continue;
       beside.beside = box.cells;
       const int64_t plane = is_upper ? box.cells.hi[axis] : box.cells.lo[axis];
       const bool is_before = passesLowerFirst(eye, axis, plane) != is_upper;
-      (is_before ? borders.before : borders.behind).push_back(beside);
+      for (const SeamPart& part : partsAtSeams(cells, in_finer, eye)) {
+        if (!part.seams.empty()) continue;
+        beside.cells = part.cells;
+        (is_before ? borders.before : borders.behind).push_back(beside);
+      }
     }
   return borders;
 }

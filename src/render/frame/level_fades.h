@@ -1,28 +1,32 @@
-// LevelFades: the shares of translucent surfaces that blocks of two levels of resolution draw where
-// they meet (LevelFade). In the cells of the finer block next to the face, its own share falls from
-// 1 to 0 towards the coarser block, which draws the rest there from its ghost layers. If several
-// faces of a block are seams, each takes its part of what those before it leave, so that the shares
-// add up to 1 everywhere.
+// LevelFades: the shares of surfaces that blocks of two levels of resolution draw where they meet
+// (LevelFade). In the cells of the finer block next to the face, its own share falls from 1 to 0
+// towards the coarser block, which draws the rest there from its ghost layers. If several faces of
+// a block are seams, each takes its part of what those before it leave, so that the shares add up
+// to 1 everywhere. Opaque surfaces are drawn in full by both, for rays end at the first one, and by
+// blocks that meet at an edge or a corner alone.
 //
 // The rest is drawn together with the finer block, slice by slice: what else that block shows lies
 // in front of the surface in one slice and behind it in the next.
 //
-// Plain values. The seams that it is made of must outlive it.
+// The seams that it is made of must outlive it.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <vector>
 
 #include "src/classify/blocks/classification.h"
-#include "src/render/frame/level_borders.h"
+#include "src/device/frame_values.h"
+#include "src/texture/texture_plan.h"
 
 namespace sluice {
 
 class LevelFades {
  public:
   LevelFades() = default;
-  explicit LevelFades(std::span<const LevelSeam> seams) : seams_(seams) {}
+  // `seams`: as VisibleBlocks has them.
+  explicit LevelFades(std::span<const LevelSeam> seams);
 
   const LevelSeam& seam(size_t number) const { return seams_[number]; }
   // The shares within a block; unset: it draws all.
@@ -30,17 +34,25 @@ class LevelFades {
   // The shares of the coarser block of a seam.
   LevelFade rest(const LevelSeam& seam) const;
 
+  bool hasSeamAt(const BlockName& fine, int face) const;
+  // The cells of the seams with finer blocks, in which a block draws surfaces.
+  std::vector<Box3> cellsInFiner(const BlockName& coarse) const;
+
  private:
   std::span<const LevelSeam> seamsOf(const BlockName& fine) const;
 
   std::span<const LevelSeam> seams_;
+  std::vector<uint32_t> by_coarser_;  // positions of seams
 };
+
+// Whether rays pass what lies below a plane across the axis before what lies above it.
+bool passesLowerFirst(const EyePosition& eye, int axis, int64_t plane);
 
 // The boxes that draw the coarser block's share at a seam.
 struct SeamBoxes {
   std::optional<BoxDraw> joined;  // in the cells of the finer block's box
-  std::optional<BoxDraw> beyond;  // from there to the face, where the finer block shows nothing
-  bool is_before = false;         // rays pass `beyond` before the finer block's box
+  // Where the finer block shows nothing: those that rays pass before its box, and behind it.
+  std::vector<BoxDraw> before, behind;
 };
 // `coarse`: the coarser block's texels, as a box. `fine`: the box that it joins. `shown`: cells
 // that may show.

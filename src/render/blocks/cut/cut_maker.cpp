@@ -103,16 +103,19 @@ class CutMaker {
     }
     std::ranges::sort(blocks.blocks, {}, &ObjectBlock::name);
     // Only surfaces leave cracks between levels, see level_borders.h.
-    if (levels.size() > 1 && !of.question.look->table.surfaces().empty())
+    if (levels.size() > 1 && !of.question.look->table.surfaces().empty()) {
       setLevelFaces(pyramid_, blocks.blocks);
-    if (levels.size() > 1 && std::ranges::any_of(of.question.look->transfer.surfaces,
-                                                 [](const auto& each) { return each.opacity < 1; }))
+      const auto isOpaque = [](const auto& surface) { return surface.opacity >= 1; };
+      const auto isInPicture = [&](const BlockName& name) {
+        return sizes_.of(pyramid_.of(name), pyramid_.regionOf(name)) > 0;
+      };
       blocks.seams = takeLevelSeams(
-          pyramid_, of.question.crop,
-          [&](const BlockName& name) {
-            return sizes_.of(pyramid_.of(name), pyramid_.regionOf(name)) > 0;
-          },
+          pyramid_,
+          {.crop = of.question.crop,
+           .with_edges = std::ranges::any_of(of.question.look->transfer.surfaces, isOpaque),
+           .is_in_picture = isInPicture},
           blocks.blocks);
+    }
     for (const ObjectBlock& block : blocks.blocks)
       levels[block.name.level].cells += block.cells.count();
     CutSummary summary;

@@ -1,7 +1,9 @@
 #include "src/render/blocks/cut/level_faces.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstddef>
 #include <optional>
 #include <unordered_map>
 #include <unordered_set>
@@ -44,6 +46,60 @@ int64_t reachOf(const PyramidLayout& pyramid, const BlockName& coarse, int axis,
   return std::clamp<int64_t>(static_cast<int64_t>(std::floor(cells + kCellRounding)), 0, most);
 }
 
+// The faces, edges and corners of a block by the faces that they lie on: in this order.
+std::vector<unsigned> facesOfSides() {
+  std::vector<unsigned> sides;
+  for (unsigned faces = 1; faces < 64; ++faces)
+    if ((faces & faces >> 3) == 0) sides.push_back(faces);  // none lies on opposite faces
+  std::ranges::stable_sort(sides, {}, [](unsigned faces) { return std::popcount(faces); });
+  return sides;
+}
+
+// The planes of faces of a block that meet at a side of it, and its cells beyond them.
+struct BlockSide {
+  unsigned faces;
+  Box3 region;  // of the block
+  Box3 beyond;  // the cells next to those of `cells`
+
+  BlockSide(unsigned of, const Box3& block_region, const Box3& cells)
+      : faces(of), region(block_region), beyond(cells) {
+    visit([&](int axis, bool is_upper, int64_t plane) {
+      beyond.lo[axis] = is_upper ? plane : plane - 1;
+      beyond.hi[axis] = beyond.lo[axis] + 1;
+    });
+  }
+  // visit(axis, whether it is the upper face across it, the plane of the face)
+  void visit(const auto& at) const {
+    for (int face = 0; face < 6; ++face)
+      if ((faces >> face & 1U) != 0)
+        at(face % 3, face >= 3, face >= 3 ? region.hi[face % 3] : region.lo[face % 3]);
+  }
+};
+
+// Whether a block of the next coarser level beyond an edge or a corner touches the block there
+// alone: one that holds the block, or meets it at a face, has it in its range along an axis.
+bool leavesParent(const PyramidLayout& pyramid, const BlockName& fine, const BlockSide& side) {
+  if (fine.level + 1 >= pyramid.levels()) return false;
+  const Vec3i width = pyramid.level(fine.level + 1).width;
+  bool leaves = true;
+  side.visit([&](int axis, bool, int64_t) {
+    leaves = leaves && side.beyond.lo[axis] / width[axis] != side.region.lo[axis] / width[axis];
+  });
+  return leaves;
+}
+
+// The cells of a block that the coarser block's texels reach beyond a side of it.
+Box3 seamCells(const PyramidLayout& pyramid, const BlockName& coarse, const BlockSide& side,
+               Box3 cells) {
+  side.visit([&](int axis, bool is_upper, int64_t plane) {
+    const int64_t reach =
+        std::min(reachOf(pyramid, coarse, axis, is_upper, plane), side.region.size()[axis]);
+    cells.lo[axis] = is_upper ? plane - reach : plane;
+    cells.hi[axis] = is_upper ? plane : plane + reach;
+  });
+  return cells;
+}
+
 }  // namespace
 
 void setLevelFaces(const PyramidLayout& pyramid, std::vector<ObjectBlock>& blocks) {
@@ -65,41 +121,39 @@ void setLevelFaces(const PyramidLayout& pyramid, std::vector<ObjectBlock>& block
   }
 }
 
-std::vector<LevelSeam> takeLevelSeams(const PyramidLayout& pyramid, const Box3& crop,
-                                      const std::function<bool(const BlockName&)>& is_in_picture,
+std::vector<LevelSeam> takeLevelSeams(const PyramidLayout& pyramid, const SeamQuestion& question,
                                       std::vector<ObjectBlock>& blocks) {
+  static const std::vector<unsigned> sides = facesOfSides();
   Positions positions;
   positions.reserve(blocks.size());
   for (size_t i = 0; i < blocks.size(); ++i) positions.emplace(blocks[i].name, i);
   std::vector<LevelSeam> seams;
   // Finer blocks come first: a block is as large as it gets before its own seams are looked for.
-  for (const ObjectBlock& block : blocks)
-    for (int face = 0; face < 6; ++face) {
-      if ((block.level_faces >> face & 1U) == 0) continue;
-      const int axis = face % 3;
-      const bool is_upper = face >= 3;
-      const Box3 region = pyramid.regionOf(block.name);
-      const int64_t plane = is_upper ? region.hi[axis] : region.lo[axis];
-      // The cells next to the face on its other side.
-      Box3 beyond = block.cells;
-      beyond.lo[axis] = is_upper ? plane : plane - 1;
-      beyond.hi[axis] = beyond.lo[axis] + 1;
-      if (intersect(beyond, crop) != beyond) continue;
-      const auto position = coarserAt(pyramid, positions, block.name, beyond.lo);
-      if (!position || !is_in_picture(blocks[*position].name)) continue;
+  for (const ObjectBlock& block : blocks) {
+    const size_t first = seams.size();
+    const Box3 region = pyramid.regionOf(block.name);
+    const auto meets = [&](const BlockName& coarse) {
+      return std::ranges::find(seams.begin() + static_cast<std::ptrdiff_t>(first), seams.end(),
+                               coarse, &LevelSeam::coarse) != seams.end();
+    };
+    for (const unsigned faces : sides) {
+      const bool is_face = std::has_single_bit(faces);
+      if (!is_face && !question.with_edges) break;
+      if (is_face && (block.level_faces & faces) == 0) continue;
+      const BlockSide side(faces, region, block.cells);
+      if (intersect(side.beyond, question.crop) != side.beyond) continue;
+      if (!is_face && !leavesParent(pyramid, block.name, side)) continue;
+      const auto position = coarserAt(pyramid, positions, block.name, side.beyond.lo);
+      if (!position) continue;
       ObjectBlock& coarse = blocks[*position];
-      const int64_t reach =
-          std::min(reachOf(pyramid, coarse.name, axis, is_upper, plane), region.size()[axis]);
-      Box3 seam = block.cells;
-      if (is_upper)
-        seam.lo[axis] = plane - reach, seam.hi[axis] = plane;
-      else
-        seam.lo[axis] = plane, seam.hi[axis] = plane + reach;
-      if (intersect(seam, block.cells).empty()) continue;
-      coarse.cells = unite(coarse.cells, beyond);
+      if (!question.is_in_picture(coarse.name) || (!is_face && meets(coarse.name))) continue;
+      const Box3 cells = seamCells(pyramid, coarse.name, side, block.cells);
+      if (intersect(cells, block.cells).empty()) continue;
+      coarse.cells = unite(coarse.cells, side.beyond);
       coarse.trimming_axis = shortestAxis(coarse.cells.size());
-      seams.push_back({block.name, coarse.name, seam, face});
+      seams.push_back({block.name, coarse.name, cells, faces});
     }
+  }
   return seams;
 }
 
