@@ -3,8 +3,9 @@
 # the one named, or a Shepp-Logan head, cut open. More options go to `sluice render`
 # as they are:
 #   tools/demo.sh [FILE [OPTION...]]
-# Then builds what no first picture needs: the window, the reader of OpenVDB, ranks, kernels for more
-# processors, and the library for other programs. `cmake --install build/release` works after it.
+# Then builds what no first picture needs: the window, the reader of OpenVDB, ranks, and the library for other
+# programs. `cmake --install build/release` works after it. The CPU device has the instructions of this
+# processor alone: the preset release builds it for others, too.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 caller=$OLDPWD
@@ -14,12 +15,11 @@ tools/setup.sh picture
 # What the modules need comes after the picture: unpacking it takes both processors, as compiling does.
 add_modules() {
   tools/setup.sh build
-  cmake --preset demo -DSLUICE_VDB=ON -DSLUICE_KERNEL_SETS='SSE4;AVX2;AVX3' >/dev/null
+  cmake --preset demo -DSLUICE_VDB=ON >/dev/null
 }
 # Sources are compiled in batches, for half of the time. `cmake --preset release` compiles each by
 # itself again, as one does who edits them, and brings the tests back.
-# The first picture is drawn with the instructions of most machines, or with plain ones.
-cmake --preset demo -DSLUICE_VDB=OFF -DSLUICE_KERNEL_SETS=AVX2 >/dev/null
+cmake --preset demo -DSLUICE_VDB=OFF >/dev/null
 cmake --build --preset demo
 
 picture=$PWD/out/picture.png

@@ -11,6 +11,10 @@ wheels=${2-$top/out/wheels}
   { echo "wheel.sh: python3-wheel is not installed (apt-get install python3-wheel)" >&2; exit 1; }
 [[ -e $build/python/sluice/__init__.py ]] ||
   { echo "wheel.sh: $build: expected a build of sluice with its Python package, found none; build it first" >&2; exit 1; }
+if grep -q '^SLUICE_KERNEL_SETS:[A-Z]*=NATIVE$' "$build/CMakeCache.txt"; then
+  echo "wheel.sh: $build draws on processors like this one alone; build it with \`cmake --preset release\`" >&2
+  exit 1
+fi
 
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT

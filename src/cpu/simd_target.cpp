@@ -66,7 +66,9 @@ Kernels kernels(const char* name, void (*shape)(int&, int&), DrawTile composite,
 // Worst first.
 const std::vector<TargetKernels>& compiled() {
   static const std::vector<TargetKernels> all = {
+#if defined(SLUICE_HAS_PLAIN)
     {SimdTarget::kPlain, SLUICE_KERNELS("plain", HWY_NAMESPACE)},
+#endif
 #if (HWY_TARGETS & HWY_SSE4) && HWY_STATIC_TARGET != HWY_SSE4 && defined(SLUICE_HAS_SSE4)
     {SimdTarget::kSse4, SLUICE_KERNELS("sse4", N_SSE4)},
 #endif
@@ -132,6 +134,10 @@ const Kernels& kernelsOf(SimdTarget target) {
   for (size_t i = all.size(); i-- > 0;)
     if (works(all[i]) && (target == SimdTarget::kAuto || target == all[i].target))
       return all[i].kernels;
+  if (target == SimdTarget::kAuto)
+    failSystem(
+        "no kernels of the CPU device in this build work on this processor; draw with "
+        "--device gl, or build with -DSLUICE_KERNEL_SETS=NATIVE on this processor");
   failSystem("--simd {}: this processor, or this build, has no such instructions; give --simd auto",
              name(target));
 }
