@@ -1,8 +1,6 @@
 // The program: all commands on one command line, and the exit status.
 #pragma once
 
-#include <CLI/CLI.hpp>
-
 #include <memory>
 #include <string>
 #include <string_view>

@@ -2,9 +2,12 @@
 // function runs when its subcommand was given, and its result is the exit status.
 #pragma once
 
-#include <CLI/CLI.hpp>
-
 #include <functional>
+
+// Its header takes the compiler seconds.
+namespace CLI {
+class App;
+}
 
 namespace sluice {
 
