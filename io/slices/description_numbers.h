@@ -1,7 +1,8 @@
 // Fields of a TIFF's description, and the numbers in them.
 #pragma once
 
-#include <cmath>
+#include <fmt/format.h>
+
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -13,6 +14,8 @@
 #include "src/base/files/json_field.h"
 #include "src/base/files/number_text.h"
 #include "src/base/sources/volume_times.h"
+#include "src/base/values/letter_case.h"
+#include "src/base/values/text_parts.h"
 
 namespace sluice {
 
@@ -40,18 +43,41 @@ inline double lengthOr1(std::optional<double> length) {
   return length && *length >= kLeast && *length <= kMost ? *length : 1;
 }
 
-// The time between frames as a description gives it, in a unit as it abbreviates it; nullopt: none.
-inline std::optional<TimeAxis> frameTimes(std::optional<double> step, std::string_view unit) {
-  if (!step || !std::isfinite(*step) || *step <= 0) return std::nullopt;
-  constexpr std::pair<std::string_view, const char*> kUnits[] = {
-      {"s", "second"},       {"sec", "second"},
-      {"ms", "millisecond"}, {"msec", "millisecond"},
-      {"us", "microsecond"}, {"\u00b5s", "microsecond"},
-      {"ns", "nanosecond"},  {"min", "minute"},
-      {"h", "hour"},         {"d", "day"}};
+// The unit of a time as a description abbreviates it.
+inline std::string timeUnit(std::string_view text) {
+  static constexpr std::pair<std::string_view, const char*> kUnits[] = {{"", "second"},
+                                                                        {"s", "second"},
+                                                                        {"sec", "second"},
+                                                                        {"ms", "millisecond"},
+                                                                        {"msec", "millisecond"},
+                                                                        {"us", "microsecond"},
+                                                                        {"\u00b5s", "microsecond"},
+                                                                        {"\u03bcs", "microsecond"},
+                                                                        {"\\u00b5s", "microsecond"},
+                                                                        {"ns", "nanosecond"},
+                                                                        {"min", "minute"},
+                                                                        {"h", "hour"},
+                                                                        {"d", "day"}};
+  const std::string unit(trimmed(text));
   for (const auto& [brief, name] : kUnits)
-    if (unit == brief) return TimeAxis{*step, 0, name};
-  return TimeAxis{*step, 0, printable(std::string(unit))};
+    if (unit == brief || lowercase(unit) == brief) return name;
+  return printable(unit);
+}
+
+// Sets the time between frames as a description gives it under `name`, if there are several.
+inline void setFrameTimes(const Fields& fields, std::string_view name, std::string_view unit_name,
+                          PageOrder& order) {
+  const std::string text = fieldOf(fields, name);
+  const std::string_view said = trimmed(text);
+  if (said.empty() || order.frames < 2) return;
+  const std::optional<double> step = numberOf(said);
+  if (!step || *step <= 0) {
+    order.notes.push_back(fmt::format(
+        "its description has a {} of {}, which is no time between frames: it is left out", name,
+        printable(std::string(said))));
+    return;
+  }
+  order.times = TimeAxis{*step, 0, timeUnit(fieldOf(fields, unit_name))};
 }
 
 }  // namespace sluice

@@ -301,9 +301,7 @@ PageOrder parseOmeDescription(std::string_view xml, int64_t pages) {
     order.notes.push_back(note);
   }
   describeChannels(pixels.channels, order);
-  const std::string time_unit = fieldOf(pixels.fields, "TimeIncrementUnit");
-  order.times = frameTimes(numberIn<double>(fieldOf(pixels.fields, "TimeIncrement")),
-                           time_unit.empty() ? "s" : time_unit);
+  setFrameTimes(pixels.fields, "TimeIncrement", "TimeIncrementUnit", order);
   if (fieldOf(pixels.fields, "PhysicalSizeX").empty()) return order;
   const std::string unit = fieldOf(pixels.fields, "PhysicalSizeXUnit");
   order.unit = unit.empty() ? "micrometer" : lengthUnit(unit);

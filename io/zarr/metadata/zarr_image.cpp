@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <optional>
 
 #include "io/files/length_unit.h"
 #include "io/headers/volume_description.h"
@@ -268,7 +269,7 @@ std::vector<Role> rolesByNumber(size_t axes, bool channel_wanted) {
 }
 
 // The times of the steps, as far as the axis of time tells them.
-void placeSteps(const ZarrImage& image, ZarrView& view) {
+void placeSteps(const ZarrImage& image, const std::string& path, ZarrView& view) {
   if (!view.time || view.layout.time_steps < 2) return;
   const size_t axis = *view.time;
   TimeAxis times;
@@ -277,8 +278,12 @@ void placeSteps(const ZarrImage& image, ZarrView& view) {
     times.step = image.scale[axis];
     times.start = image.translation[axis];
   }
-  const bool is_valid = std::isfinite(times.start) && std::isfinite(times.step) && times.step > 0;
-  if (is_valid && times != TimeAxis()) view.times = times;
+  if (!(times.step > 0)) {
+    view.notes.push_back(
+        fmt::format("{}: its scale along the axis of time is {}: 1 is used", path, times.step));
+    times.step = 1;
+  }
+  if (times != TimeAxis()) view.times = times;
 }
 
 void place(const ZarrImage& image, const std::string& path, ZarrView& view) {
@@ -317,7 +322,7 @@ void place(const ZarrImage& image, const std::string& path, ZarrView& view) {
         scale[a] < 0 ? -directions[static_cast<size_t>(a)] : directions[static_cast<size_t>(a)];
   }
   setOrigin(path, origin, layout);
-  placeSteps(image, view);
+  placeSteps(image, path, view);
   setValueScale(path, image.value_scale, image.value_offset, layout);
 }
 
@@ -353,6 +358,16 @@ ZarrImage parseZarrImage(std::string_view text, const std::string& path, const s
   if (const auto names = root.find("dimension_names"); names && image.axes.empty())
     if (areAllNamed(*names)) image.axes = parseAxes(*names);
   return image;
+}
+
+std::vector<double> spaceScale(const ZarrImage& image) {
+  std::vector<double> scale;
+  for (size_t i = 0; i < image.scale.size(); ++i) {
+    const std::optional<Role> role =
+        i < image.axes.size() ? roleOf(image.axes[i]) : std::optional(Role::kSomeSpace);
+    if (role != Role::kTime && role != Role::kChannel) scale.push_back(image.scale[i]);
+  }
+  return scale;
 }
 
 ZarrView viewZarr(const ZarrArray& array, const ZarrImage& image, bool channel_wanted,

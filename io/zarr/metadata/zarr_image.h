@@ -84,11 +84,15 @@ std::string_view zarrLevelsFolder(LevelValues values);
 // The text for a frame under the key "sluice".
 std::string_view zarrFrameName(WorldFrame frame);
 
+// The numbers of the image's scale along axes of space, in their order.
+std::vector<double> spaceScale(const ZarrImage& image);
+
 struct ZarrView {
   VolumeLayout layout;            // all but the name
   std::array<size_t, 3> space{};  // the array's axes that are x, y and z
   std::optional<size_t> time, channel;
-  std::optional<TimeAxis> times;  // unset: not told, or one step
+  std::optional<TimeAxis> times;   // unset: not told, or one step
+  std::vector<std::string> notes;  // lines about times that are none
 };
 
 // Without names the axes are taken as z y x, t z y x and t c z y x; of four the first is the

@@ -126,7 +126,8 @@ ChunkedVolume n5Volume(const StorePlace& folder) {
   volume.name = folder.name();
   volume.title = folder.lastPart();
   const auto noteSpacing = [&volume] {
-    if (std::string note = negativeSpacingNote(volume.said_by, volume.image.scale); !note.empty())
+    if (std::string note = negativeSpacingNote(volume.said_by, spaceScale(volume.image));
+        !note.empty())
       volume.notes.push_back(std::move(note));
   };
   if (isArrayIn(folder)) {

@@ -47,7 +47,8 @@ ChunkedSource::ChunkedSource(const ChunkedVolume& volume, OpenedArray opened, si
   channel_looks_ = image.looks;
   view_.layout.notes = array.notes;
   if (part_ == Part::kImage) {
-    view_.layout.notes.insert(view_.layout.notes.end(), volume.notes.begin(), volume.notes.end());
+    for (const std::vector<std::string>& notes : {volume.notes, view_.notes})
+      view_.layout.notes.insert(view_.layout.notes.end(), notes.begin(), notes.end());
     if (const std::string note = missingValuesNote(image.missing, view_.layout); !note.empty())
       view_.layout.notes.push_back(volume.name + ": " + note);
     if (const std::string note =

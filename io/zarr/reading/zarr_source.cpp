@@ -48,7 +48,7 @@ ChunkedVolume zarrVolume(const StorePlace& folder) {
   volume.header_bytes = found.header_bytes;
   volume.notes = std::move(found.notes);
   const ZarrImage image = volume.image = std::move(found.image);
-  if (std::string note = negativeSpacingNote(volume.said_by, image.scale); !note.empty())
+  if (std::string note = negativeSpacingNote(volume.said_by, spaceScale(image)); !note.empty())
     volume.notes.push_back(std::move(note));
   volume.open = [folder, array = found.array_folder, levels = image.levels, is_v3](size_t level) {
     return openZarrArray(level == 0 ? array : folder.at(levels[level]), is_v3);

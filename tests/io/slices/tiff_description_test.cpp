@@ -44,6 +44,38 @@ TEST(TiffDescription, lengthsThatAreNoneAreWarnedOf) {
       testing::ElementsAre(HasSubstr("a PhysicalSizeX of -2, which is no length")));
 }
 
+// ImageJ writes the micro sign as an escape.
+TEST(TiffDescription, timesBetweenFramesAreInUnitsByTheirNames) {
+  const auto imageJ = [](const std::string& more) {
+    return parseTiffDescription("ImageJ=1.53t\nimages=3\nframes=3\n" + more, 3, 1, 1).times;
+  };
+  EXPECT_EQ(imageJ("finterval=2.5\n"), (TimeAxis{2.5, 0, "second"}));
+  EXPECT_EQ(imageJ("finterval=2\ntunit=\\u00B5s\n"), (TimeAxis{2, 0, "microsecond"}));
+  EXPECT_EQ(imageJ("finterval=2\ntunit=fortnight\n"), (TimeAxis{2, 0, "fortnight"}));
+  EXPECT_EQ(imageJ("finterval= 2 \ntunit=ms\n"), (TimeAxis{2, 0, "millisecond"}));
+  EXPECT_EQ(imageJ(""), std::nullopt);
+}
+
+TEST(TiffDescription, timesThatAreNoneAreWarnedOf) {
+  for (const char* wrong : {"0", "-2", "nan", "inf", "abc", "2,5", "1e999"}) {
+    const std::string text = fmt::format("ImageJ=1.53t\nimages=3\nframes=3\nfinterval={}\n", wrong);
+    const PageOrder frames = parseTiffDescription(text, 3, 1, 1);
+    EXPECT_EQ(frames.times, std::nullopt) << wrong;
+    EXPECT_THAT(frames.notes, testing::ElementsAre(HasSubstr(fmt::format(
+                                  "a finterval of {}, which is no time between frames", wrong))));
+    const auto ome = [wrong](int frames) {
+      return parseTiffDescription(
+          fmt::format("<OME><Image><Pixels DimensionOrder=\"XYZCT\" SizeX=\"4\" SizeY=\"4\" "
+                      "SizeZ=\"1\" SizeC=\"1\" SizeT=\"{}\" TimeIncrement=\"{}\"/></Image></OME>",
+                      frames, wrong),
+          frames, 0, 0);
+    };
+    EXPECT_EQ(ome(3).times, std::nullopt) << wrong;
+    EXPECT_THAT(ome(3).notes, testing::Contains(HasSubstr("a TimeIncrement of")));
+    EXPECT_THAT(ome(1).notes, testing::Not(testing::Contains(HasSubstr("TimeIncrement"))));
+  }
+}
+
 TEST(TiffDescription, aShapeThatDoesNotFitThePagesIsWarnedOf) {
   const auto notes = [](const char* text, int64_t pages) {
     return parseTiffDescription(text, pages, 0, 0).notes;
