@@ -1,6 +1,7 @@
 // The metadata that sluice pack keeps: the times of the steps, and the channels' names, colours and
 // windows.
-#include <gtest/gtest.h>
+#include <fmt/format.h>
+#include <gmock/gmock.h>
 
 #include <fstream>
 
@@ -72,6 +73,24 @@ TEST(PackedMetadata, keepsTheTimesOfTheSteps) {
             std::string::npos);
 }
 
+// The unit and the time of the first step are kept, and the volume is no mirror image.
+TEST(PackedMetadata, warnsOfTimesThatAreNone) {
+  const Program program;
+  writeStore(program);
+  for (const double wrong : {0.0, -2.0}) {
+    json attributes = attributesOf(program, "cells.zarr");
+    for (json& level : attributes["multiscales"][0]["datasets"])
+      level["coordinateTransformations"][0]["scale"][0] = wrong;
+    std::ofstream(program.folder / "cells.zarr" / ".zattrs") << attributes;
+    const CommandResult info = program.run("info cells.zarr");
+    EXPECT_THAT(info.output, testing::HasSubstr(fmt::format(
+                                 "its scale along the axis of time is {}: 1 is used", wrong)));
+    EXPECT_EQ(info.output.find("mirror"), std::string::npos);
+    EXPECT_EQ(program.json("info cells.zarr")["times"],
+              json({{"step", 1.0}, {"start", 10.0}, {"unit", "second"}}));
+  }
+}
+
 TEST(PackedMetadata, keepsTheLooksOfAllChannelsAndOfOne) {
   const Program program;
   writeStore(program);
@@ -94,6 +113,22 @@ TEST(PackedMetadata, keepsTheLooksOfAllChannelsAndOfOne) {
     EXPECT_EQ(attributesOf(program, "again.zarr")["omero"],
               attributesOf(program, "one.zarr")["omero"]);
   }
+}
+
+// Viewers that follow `active` show all channels of a store whose source tells no look.
+TEST(PackedMetadata, tellsOfChannelsWhatTheirFileTells) {
+  const Program program;
+  writeStore(program);
+  json attributes = attributesOf(program, "cells.zarr");
+  for (json& channel : attributes["omero"]["channels"]) channel = {{"label", channel["label"]}};
+  std::ofstream(program.folder / "cells.zarr" / ".zattrs") << attributes;
+  ASSERT_EQ(program.run("pack cells.zarr -o p.zarr").status, 0);
+  for (const json& channel : attributesOf(program, "p.zarr")["omero"]["channels"])
+    EXPECT_TRUE(channel["active"]);
+  attributes.erase("omero");
+  std::ofstream(program.folder / "cells.zarr" / ".zattrs") << attributes;
+  ASSERT_EQ(program.run("pack cells.zarr -o p.zarr --force").status, 0);
+  EXPECT_FALSE(attributesOf(program, "p.zarr").contains("omero"));
 }
 
 TEST(PackedMetadata, tellsNothingOfAFileThatTellsNothing) {

@@ -81,7 +81,7 @@ ordered_json omero(const ZarrChannelsText& text, const VolumeLayout& layout) {
   ordered_json channels = ordered_json::array();
   for (size_t c = 0; c < names.size(); ++c) {
     const bool has_look = c < text.looks.size();
-    const StoredLook look = has_look ? text.looks[c] : StoredLook{.is_active = c == 0};
+    const StoredLook look = has_look ? text.looks[c] : StoredLook();
     channels.push_back({{"label", names[c].empty() ? fmt::format("channel {}", c) : names[c]},
                         {"active", look.is_active}});
     if (look.color) channels.back()["color"] = hexOf(*look.color);
@@ -250,11 +250,10 @@ std::string zarrImageText(const VolumeLayout& layout, const std::string& name,
   ordered_json image;
   if (is_v3) image["version"] = "0.5";
   image["multiscales"] = ordered_json::array({multiscale});
-  // One channel is listed if there is something to tell of it.
   const bool is_told =
       !channels.looks.empty() ||
       std::ranges::any_of(channels.names, [](const std::string& each) { return !each.empty(); });
-  if (channels.names.size() > 1 || is_told) image["omero"] = omero(channels, layout);
+  if (is_told) image["omero"] = omero(channels, layout);
   ordered_json own = ownPart(layout);
   if (levels.has_spreads) own["spreads"] = kZarrSpreadFolder;
   for (const LevelValues values : levels.groups)

@@ -58,8 +58,7 @@ struct ZarrChannelsText {
 // the layout's spacing and origin as scale and translation of level 0, from which the other levels'
 // follow, and the times of the steps. Directions that are not the coordinate axes and a scaling of
 // the values go under the key "sluice"; zarrArrayTexts() repeats the scaling for others.
-// `channels`: their names and looks, which go under "omero" if there are several or the file tells
-// of the one. Without looks the first is the active one, which pictures show.
+// `channels`: their names and looks, which go under "omero" if there are any.
 std::string zarrImageText(const VolumeLayout& layout, const std::string& name,
                           const ZarrChannelsText& channels, const ZarrLevelsText& levels,
                           ZarrFormat format = ZarrFormat::k2);
