@@ -39,7 +39,7 @@ tmsize_t read(thandle_t handle, void* to, tmsize_t bytes) {
     return static_cast<tmsize_t>(got);
     // libtiff is C: no exception may pass its frames.
   } catch (const std::exception& e) {
-    if (s.message.empty()) s.message = e.what();
+    if (s.message.empty()) s.message = e.what(), s.reading_failed = true;
     return -1;
   }
 }
@@ -80,6 +80,7 @@ int warning(TIFF*, void* user, const char*, const char* format, va_list argument
 
 void TiffStream::failWith(const std::string& what) {
   std::string reason = std::exchange(message, {});
+  if (std::exchange(reading_failed, false)) fail("{}", reason);
   // A failed read names the file, too.
   const std::string named = file.path() + ": ";
   if (reason.starts_with(named)) reason.erase(0, named.size());

@@ -30,6 +30,7 @@ struct TiffStream {
   uint64_t window_at = 0;
   size_t window_size = 0;
   std::string message;
+  bool reading_failed = false;  // the message tells of the file, not of what it holds
   // libtiff has put the pixels' own size in place of what a table says of its only strip, because
   // that is too little or nothing.
   bool strip_size_replaced = false;
