@@ -6,6 +6,7 @@
 #include <exception>
 
 #include "src/base/error.h"
+#include "src/base/field_names.h"
 #include "tools/command_line/console.h"
 #include "tools/command_line/environment.h"
 #include "tools/command_line/help.h"
@@ -179,7 +180,7 @@ int runProgram(const std::vector<std::string>& words) {
   } catch (const std::bad_alloc&) {
     tell("out of memory; give a smaller --memory or a larger machine");
   } catch (const std::exception& error) {
-    tell(error.what());
+    tell(lineInOptions(error).c_str());
   }
   return kFailed;
 }

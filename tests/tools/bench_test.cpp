@@ -36,6 +36,21 @@ TEST(Bench, measuresTheLimitAndARender) {
   EXPECT_GT(report["share_of_limit"].get<double>(), 0);
 }
 
+TEST(Bench, saysWhatItsRowsDoNotShow) {
+  const Program program;
+  const std::string maximum =
+      program.run(std::string("bench quality ") + kSmall + " --size 24 --frames 1 --mode mip")
+          .output;
+  EXPECT_NE(maximum.find("rows of integrated samples are those of plain ones"), std::string::npos);
+  for (const char* bench : {"skipping", "occlusion"}) {
+    const CommandResult refused = program.run(std::string("bench ") + bench + " " + kSmall +
+                                              "@90 --size 24 --frames 1 --shadows");
+    EXPECT_EQ(refused.status, 2);
+    EXPECT_NE(refused.output.find("--shadows and --occlusion-light do not follow; leave them out"),
+              std::string::npos);
+  }
+}
+
 TEST(Bench, skippingComparesWholeBlocksWithBoxes) {
   const Program program;
   const auto report =

@@ -83,6 +83,27 @@ TEST_F(SavedFilm, optionsThatChangeNothingAreNamed) {
               HasSubstr("--attenuation changes nothing"));
 }
 
+// Advice that helps: what is named is what the user gave.
+TEST_F(SavedFilm, refusalsNameWhatTheUserGave) {
+  write("film.json", filmOf(R"("threshold": 40)"));
+  EXPECT_THAT(render("-o a.png --frames 2 --verify").output,
+              HasSubstr("do not take it; leave out --frames for one picture"));
+  EXPECT_THAT(render("-o f_%d.png --verify").output,
+              HasSubstr("give -o a name without a number for one picture"));
+  EXPECT_THAT(render("-o f_%d.png --memory 64K").output,
+              testing::AllOf(HasSubstr("give --memory "), Not(HasSubstr("memory_bytes")),
+                             Not(HasSubstr("pipeline"))));
+  ASSERT_EQ(render("-o g_%d.png --frames 1 -q").status, 0);
+  const std::string kept = render("-o g_%d.png --frames 2 --continue").output;
+  EXPECT_THAT(kept, HasSubstr("1 of 2 pictures is there"));
+  EXPECT_THAT(kept, Not(HasSubstr("--report"))) << "which frames of a path refuse";
+  write(
+      "path.json",
+      R"({"keys": [{"at": 0, "azimuth": 0, "elevation": 0}, {"at": 1, "azimuth": 90, "elevation": 0}]})");
+  EXPECT_THAT(render("-o f_%d.png --frames 2 --path path.json").output,
+              HasSubstr("the saved path is left out: --path takes its place"));
+}
+
 TEST_F(SavedFilm, conflictsNameTheOptionAndThePlaceInTheFile) {
   write("film.json", filmOf(R"("surfaces": ["40:0.5"])"));
   for (const char* output : {"f_%d.png", "f.png"})

@@ -21,6 +21,13 @@ FrameOptions plainFrame() {
   return plain;
 }
 
+void requireNoLightAround(const BenchArguments& bench) {
+  if (bench.look.modulate && bench.frame.lighting.looksAround())
+    failUsage(
+        "this bench draws opacities that depend on gradients, which --shadows and "
+        "--occlusion-light do not follow; leave them out");
+}
+
 AskedView addPictures(CLI::App& app, BenchArguments& arguments) {
   arguments.app = &app;
   auto asked = std::make_shared<ViewState>();

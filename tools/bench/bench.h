@@ -59,6 +59,10 @@ std::shared_ptr<Arguments> litBench() {
   return bench;
 }
 
+// Throws a usage error for light that does not follow opacities that depend on gradients, as those
+// of such benches do.
+void requireNoLightAround(const BenchArguments& bench);
+
 // Options of the pictures, for every bench that draws.
 AskedView addPictures(CLI::App& app, BenchArguments& arguments);
 // The same with --frames, whose help is `which`.

@@ -157,6 +157,7 @@ json rowOf(const OcclusionBench& bench, const std::string& word) {
 // Transfer functions of a threshold or of none become surface-like: 80 times as opaque. Each way
 // draws its frames in a row, since the number of updates adapts from frame to frame. Throws Error.
 json benchOcclusion(const OcclusionBench& bench) {
+  requireNoLightAround(bench);
   json rows = json::array();
   for (const std::string& word : bench.volume.inputs) rows.push_back(rowOf(bench, word));
   json mean;

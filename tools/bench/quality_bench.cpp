@@ -68,8 +68,12 @@ void warnOfIdle(const BenchArguments& bench, const Scene& scene, const FrameOpti
   for (const char* own : {"--quality", "--step"})
     if (given.erase(own) > 0)
       printWarning(fmt::format("{} changes nothing here: each row has its own", own));
-  for (const std::string& line : idleOptions(given, pictureFacts(scene, frame)))
+  const PictureFacts facts = pictureFacts(scene, frame);
+  for (const std::string& line : idleOptions(given, facts))
     printWarning(fmt::format("{}: {}", scene.volume.name, line));
+  for (const std::string& line : idleOptions({"--quality"}, facts))
+    printWarning(fmt::format("{}: rows of integrated samples are those of plain ones: {}",
+                             scene.volume.name, line));
 }
 
 json benchQuality(const BenchArguments& bench) {

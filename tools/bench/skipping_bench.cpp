@@ -68,6 +68,7 @@ nlohmann::json skippingRow(const BenchArguments& bench, const std::string& word)
 // (drawn by `--partition blocks`). The ways take turns frame by frame, so that a machine that
 // drifts favours none. Throws Error.
 nlohmann::json benchSkipping(const BenchArguments& bench) {
+  requireNoLightAround(bench);
   nlohmann::json rows = nlohmann::json::array();
   double sum = 0;
   for (const std::string& word : bench.volume.inputs) {

@@ -233,8 +233,9 @@ Bench addWindowBench(CLI::App& app) {
   auto drag = std::make_shared<DragKind>(DragKind::kThreshold);
   CLI::App* view = app.add_subcommand(
       "view", std::string("Measures the first picture and a drag without a window: from an event "
-                          "to its picture, and whether the loop ever waits\n\n") +
-                  kPlainPicture +
+                          "to its picture, and whether the loop ever waits\n\n"
+                          "Pictures are those of the window: lit unless --no-shade is given. "
+                          "Without --threshold the drag begins at 0.\n\n") +
                   "  sluice bench view bonsai.nii.gz --threshold 40 --size 800x600");
   const AskedView options = addPictures(*view, *bench);
   const OptionGroup output(*view, kOutputHeading);

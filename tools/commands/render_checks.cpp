@@ -63,13 +63,15 @@ bool isDrawn(const Arguments& arguments, const std::filesystem::path& path) {
   return true;
 }
 
-void sayKept(const RenderArguments& arguments, int64_t kept, int64_t count) {
+void sayKept(const RenderArguments& arguments, int64_t kept, int64_t count, Comparison comparison) {
   if (kept == 0 || arguments.resources.quiet) return;
-  printNotice(fmt::format(
-      "{}: {} of {} pictures {} there and {} as before, whatever options drew {}; with --report in "
-      "each run, other options have a warning",
-      arguments.output, kept, count, kept == 1 ? "is" : "are", kept == 1 ? "stays" : "stay",
-      kept == 1 ? "it" : "them"));
+  printNotice(
+      fmt::format("{}: {} of {} pictures {} there and {} as before, whatever options drew {}{}",
+                  arguments.output, kept, count, kept == 1 ? "is" : "are",
+                  kept == 1 ? "stays" : "stay", kept == 1 ? "it" : "them",
+                  comparison == Comparison::kByReport
+                      ? "; with --report in each run, other options have a warning"
+                      : ""));
 }
 
 bool numbersPictures(const Arguments& arguments) {

@@ -25,9 +25,11 @@ std::vector<int64_t> framesToDraw(const RenderArguments& arguments, Team* team);
 // cut or a copy may leave a part of one. Throws Error for a picture of another size, which is none
 // of this series.
 bool isDrawn(const RenderArguments& arguments, const std::filesystem::path& picture);
+// What tells the options of an earlier run.
+enum class Comparison { kNone, kByReport };
 // Prints, unless quiet, that so many of the pictures stay as an earlier run has drawn them, and
-// that nothing tells the options of that run.
-void sayKept(const RenderArguments& arguments, int64_t kept, int64_t count);
+// what would tell the options of that run.
+void sayKept(const RenderArguments& arguments, int64_t kept, int64_t count, Comparison comparison);
 
 // Whether the pictures of one frame that gets better are files of their own.
 bool numbersPictures(const RenderArguments& arguments);

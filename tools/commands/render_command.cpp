@@ -59,9 +59,8 @@ std::vector<std::string> warningsOf(const RenderJob& job, const std::set<std::st
   std::vector<std::string> lines = job.scene.standInNotes();
   if (saved) std::ranges::move(saved->notes(), std::back_inserter(lines));
   if (saved && saved->film && (job.arguments.times || job.arguments.path))
-    lines.push_back(
-        fmt::format("{}: the saved path is left out: a range of --time and --path take its place",
-                    saved->name));
+    lines.push_back(fmt::format("{}: the saved path is left out: {} takes its place", saved->name,
+                                job.arguments.path ? "--path" : "the range of --time"));
   std::ranges::move(idleLines(job, given), std::back_inserter(lines));
   return lines;
 }
@@ -191,7 +190,7 @@ int run(Arguments& arguments, CLI::App& app, Team* team) {
     if (earlier.is_object())
       warnOfOtherOptions(arguments, app, earlier);
     else
-      sayKept(arguments, kept, frameCount(arguments));
+      sayKept(arguments, kept, frameCount(arguments), Comparison::kByReport);
   }
   if (to_draw.empty()) {
     sayAllAreThere(arguments, app);

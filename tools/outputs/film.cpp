@@ -58,10 +58,9 @@ void checkOptions(const RenderArguments& arguments, const CLI::App& app) {
     if (option->count() == 0 || option->get_lnames().empty()) continue;
     const std::string name = "--" + option->get_lnames().front();
     if (!framesTake(name))
-      fail(
-          "{}: frames of the path in {} do not take it; give -o a name without a number for one "
-          "picture",
-          name, arguments.state_file);
+      fail("{}: frames of the path in {} do not take it; {} for one picture", name,
+           arguments.state_file,
+           app.count("--frames") > 0 ? "leave out --frames" : "give -o a name without a number");
   }
 }
 
@@ -282,7 +281,7 @@ int writeFilm(const RenderArguments& arguments, const CLI::App& app, const Saved
     if (!is_quiet) say("all {} frames are there\n", count);
     return kDone;
   }
-  sayKept(arguments, count - static_cast<int64_t>(frames.size()), count);
+  sayKept(arguments, count - static_cast<int64_t>(frames.size()), count, Comparison::kNone);
   const IndexWish wish = indexWish(arguments.resources.index_dir);
   ViewedVolume viewed =
       viewedVolume(arguments.volume, arguments.resources, wish.disabled ? "" : wish.folder.string(),
