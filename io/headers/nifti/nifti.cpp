@@ -1,6 +1,8 @@
 #include "io/headers/nifti/nifti.h"
 
 #include <array>
+#include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -9,9 +11,20 @@
 #include "io/headers/described_volume.h"
 #include "io/headers/nifti/nifti_header.h"
 #include "src/base/error.h"
+#include "src/base/sources/forwarding_source.h"
 
 namespace sluice {
 namespace {
+
+class TimedVolume final : public ForwardingSource {
+ public:
+  TimedVolume(std::unique_ptr<VolumeSource> source, TimeAxis times)
+      : ForwardingSource(std::move(source)), times_(std::move(times)) {}
+  std::optional<TimeAxis> times() const override { return times_; }
+
+ private:
+  const TimeAxis times_;
+};
 
 bool isGzip(File& file) {
   std::array<std::byte, 2> magic{};
@@ -61,7 +74,9 @@ std::unique_ptr<VolumeSource> openNifti(const std::filesystem::path& path,
     gzipped = isGzip(image_file);
   }
   if (gzipped) header.description.encoding = Encoding::kDeflate;
-  return openDescribed(std::move(file), header.description, "", decode);
+  auto source = openDescribed(std::move(file), header.description, "", decode);
+  if (!header.times) return source;
+  return std::make_unique<TimedVolume>(std::move(source), *header.times);
 }
 
 }  // namespace sluice

@@ -49,6 +49,7 @@ struct NiftiFields {
   int16_t datatype = 0, bitpix = 0;
   std::array<int64_t, 8> dim{};
   std::array<double, 8> pixdim{};
+  double toffset = 0;
   double vox_offset = 0;  // a whole number in NIfTI-2
   double scl_slope = 0, scl_inter = 0;
   int64_t qform_code = 0, sform_code = 0;
@@ -70,6 +71,7 @@ NiftiFields readFields(const Reader& r, bool second) {
   f.vox_offset = second ? static_cast<double>(r.at<int64_t>(168)) : r.at<float>(108);
   f.scl_slope = r.either<float, double>(second, 112, 176);
   f.scl_inter = r.either<float, double>(second, 116, 184);
+  f.toffset = r.either<float, double>(second, 136, 216);
   f.qform_code = r.either<int16_t, int32_t>(second, 252, 344);
   f.xyzt_units = second ? r.at<int32_t>(500) : r.at<int8_t>(123);
   f.sform_code = r.either<int16_t, int32_t>(second, 254, 348);
@@ -207,6 +209,16 @@ void readGeometry(const NiftiFields& f, const std::string& path, VolumeLayout& l
                     path));
 }
 
+// Numbers that are no times, such as a step of 0, tell none. Frequencies are axes of other kinds.
+std::optional<TimeAxis> timesOf(const NiftiFields& f, const VolumeLayout& layout) {
+  const double step = f.pixdim[4];
+  if (layout.time_steps < 2 || !std::isfinite(step) || step <= 0) return std::nullopt;
+  constexpr std::array<const char*, 4> kUnits = {"", "second", "millisecond", "microsecond"};
+  const auto unit = static_cast<uint64_t>(f.xyzt_units) >> 3;
+  if (unit >= kUnits.size()) return std::nullopt;
+  return TimeAxis{step, std::isfinite(f.toffset) ? f.toffset : 0, kUnits[unit]};
+}
+
 int64_t voxelOffset(const NiftiFields& f, bool pair, const std::string& path) {
   const size_t least = pair ? 0 : f.header_bytes + kExtensionFlagBytes;
   // 2^53: beyond it a double skips whole numbers.
@@ -258,6 +270,7 @@ NiftiHeader parseNiftiHeader(std::span<const std::byte> bytes, const std::string
   readDims(fields, path, layout);
   checkedVolumeBytes(path, layout);
   readGeometry(fields, path, layout);
+  header.times = timesOf(fields, layout);
   noteSlips(fields, path, layout);
   // A slope of 0 means that values are not scaled (NIfTI-1, DATA SCALING).
   if (!std::isnan(fields.scl_slope) && fields.scl_slope != 0)

@@ -83,6 +83,23 @@ TEST(NiftiHeaderTest, readsAPlainHeader) {
   EXPECT_EQ(d.layout.value_scale, 1);
 }
 
+TEST(NiftiHeaderTest, timesAreInTheirUnitOfXyztUnits) {
+  const auto timesOf = [](float step, char units, int16_t steps = 7) {
+    HeaderBytes h = plainHeader();
+    h.set<int16_t>(40, 4).set<int16_t>(48, steps).set<float>(92, step).set<float>(136, 1.5F);
+    return parse(h.set<char>(123, units).bytes()).times;
+  };
+  EXPECT_EQ(timesOf(2.5F, 2 + 8), (TimeAxis{2.5, 1.5, "second"}));
+  EXPECT_EQ(timesOf(2.5F, 2 + 16), (TimeAxis{2.5, 1.5, "millisecond"}));
+  EXPECT_EQ(timesOf(2.5F, 24), (TimeAxis{2.5, 1.5, "microsecond"}));
+  EXPECT_EQ(timesOf(2.5F, 2), (TimeAxis{2.5, 1.5, ""}));
+  EXPECT_EQ(timesOf(2.5F, 32), std::nullopt) << "hertz";
+  EXPECT_EQ(timesOf(2.5F, -1), std::nullopt);
+  EXPECT_EQ(timesOf(2.5F, 8, 1), std::nullopt) << "one step";
+  for (const float none : {0.0F, -1.0F, kNan, kInfinity})
+    EXPECT_EQ(timesOf(none, 8), std::nullopt) << none;
+}
+
 TEST(NiftiHeaderTest, missingSizesAndScalesMeanOne) {
   HeaderBytes h = plainHeader();
   h.set<int16_t>(40, 2).set<int16_t>(46, -9).set<float>(84, 0).set<float>(88, -2);
