@@ -209,14 +209,22 @@ void readGeometry(const NiftiFields& f, const std::string& path, VolumeLayout& l
                     path));
 }
 
-// Numbers that are no times, such as a step of 0, tell none. Frequencies are axes of other kinds.
-std::optional<TimeAxis> timesOf(const NiftiFields& f, const VolumeLayout& layout) {
-  const double step = f.pixdim[4];
-  if (layout.time_steps < 2 || !std::isfinite(step) || step <= 0) return std::nullopt;
+// Programs that do not know the time between steps write 0. Frequencies are axes of other kinds.
+std::optional<TimeAxis> readTimes(const NiftiFields& f, const std::string& path,
+                                  VolumeLayout& layout) {
   constexpr std::array<const char*, 4> kUnits = {"", "second", "millisecond", "microsecond"};
   const auto unit = static_cast<uint64_t>(f.xyzt_units) >> 3;
-  if (unit >= kUnits.size()) return std::nullopt;
-  return TimeAxis{step, std::isfinite(f.toffset) ? f.toffset : 0, kUnits[unit]};
+  if (layout.time_steps < 2 || unit >= kUnits.size() || f.pixdim[4] == 0) return std::nullopt;
+  TimeAxis times{f.pixdim[4], f.toffset, kUnits[unit]};
+  const auto note = [&](const char* field, double said, double used) {
+    layout.notes.push_back(fmt::format("{}: {} is {}; a {} of {:g}{} is used", path, field, said,
+                                       used > 0 ? "time between steps" : "time of the first step",
+                                       used, times.unit.empty() ? "" : " " + times.unit));
+    return used;
+  };
+  if (!std::isfinite(times.step) || times.step < 0) times.step = note("pixdim[4]", times.step, 1);
+  if (!std::isfinite(times.start)) times.start = note("toffset", times.start, 0);
+  return times;
 }
 
 int64_t voxelOffset(const NiftiFields& f, bool pair, const std::string& path) {
@@ -270,7 +278,7 @@ NiftiHeader parseNiftiHeader(std::span<const std::byte> bytes, const std::string
   readDims(fields, path, layout);
   checkedVolumeBytes(path, layout);
   readGeometry(fields, path, layout);
-  header.times = timesOf(fields, layout);
+  header.times = readTimes(fields, path, layout);
   noteSlips(fields, path, layout);
   // A slope of 0 means that values are not scaled (NIfTI-1, DATA SCALING).
   if (!std::isnan(fields.scl_slope) && fields.scl_slope != 0)

@@ -6,8 +6,8 @@
 // its code is above 0, else qform with its handedness in pixdim[0], else pixdim alone. The world is
 // the file's (+x right, +y front, +z up: WorldFrame::kRas). A note calls this a guess if the file
 // has pixdim alone. The world's units (xyzt_units) are not converted. The time between steps is
-// pixdim[4] and that of the first toffset, in the unit of time of xyzt_units. Intents, slice
-// timing, and cal_min/cal_max, a window for display, are ignored.
+// pixdim[4] (0: not known) and that of the first toffset, in the unit of time of xyzt_units.
+// Intents, slice timing, and cal_min/cal_max, a window for display, are ignored.
 #pragma once
 
 #include <cstddef>

@@ -96,8 +96,35 @@ TEST(NiftiHeaderTest, timesAreInTheirUnitOfXyztUnits) {
   EXPECT_EQ(timesOf(2.5F, 32), std::nullopt) << "hertz";
   EXPECT_EQ(timesOf(2.5F, -1), std::nullopt);
   EXPECT_EQ(timesOf(2.5F, 8, 1), std::nullopt) << "one step";
-  for (const float none : {0.0F, -1.0F, kNan, kInfinity})
-    EXPECT_EQ(timesOf(none, 8), std::nullopt) << none;
+  EXPECT_EQ(timesOf(0, 8), std::nullopt) << "not known";
+}
+
+// The unit and the time of the first step are kept.
+TEST(NiftiHeaderTest, timesThatAreNoneAreWarnedOf) {
+  const auto parsed = [](float step, float start) {
+    HeaderBytes h = plainHeader();
+    h.set<int16_t>(40, 4).set<int16_t>(48, 7).set<float>(92, step).set<float>(136, start);
+    return parse(h.set<char>(123, 2 + 16).bytes());
+  };
+  const auto notesOf = [](const NiftiHeader& header) {
+    std::string all;
+    for (const std::string& note : header.description.layout.notes) all += note + "\n";
+    return all;
+  };
+  for (const float none : {-2.0F, kNan, kInfinity}) {
+    const NiftiHeader header = parsed(none, 1.5F);
+    EXPECT_EQ(header.times, (TimeAxis{1, 1.5, "millisecond"})) << none;
+    EXPECT_NE(notesOf(header).find(
+                  fmt::format("pixdim[4] is {}; a time between steps of 1 millisecond", none)),
+              std::string::npos)
+        << notesOf(header);
+  }
+  const NiftiHeader header = parsed(2, kNan);
+  EXPECT_EQ(header.times, (TimeAxis{2, 0, "millisecond"}));
+  EXPECT_NE(notesOf(header).find("toffset is nan; a time of the first step of 0 millisecond"),
+            std::string::npos)
+      << notesOf(header);
+  EXPECT_EQ(notesOf(parsed(2, 0)).find("pixdim[4]"), std::string::npos);
 }
 
 TEST(NiftiHeaderTest, missingSizesAndScalesMeanOne) {
