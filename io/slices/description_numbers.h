@@ -10,11 +10,11 @@
 #include <string_view>
 #include <utility>
 
+#include "io/files/time_unit.h"
 #include "io/slices/page_order.h"
 #include "src/base/files/json_field.h"
 #include "src/base/files/number_text.h"
 #include "src/base/sources/volume_times.h"
-#include "src/base/values/letter_case.h"
 #include "src/base/values/text_parts.h"
 
 namespace sluice {
@@ -28,9 +28,15 @@ inline std::string fieldOf(const Fields& fields, std::string_view name) {
   return found == fields.end() ? "" : found->second;
 }
 
+// The number that all of a field is, nullopt if there is none. XML allows white space around it.
+template <class T>
+std::optional<T> numberOfField(const Fields& fields, std::string_view name) {
+  return numberIn<T>(trimmed(fieldOf(fields, name)));
+}
+
 // A count of 1 or more; 1 if the field is missing or makes no sense.
 inline int64_t countOf(const Fields& fields, std::string_view name) {
-  const auto count = numberIn<int64_t>(fieldOf(fields, name));
+  const auto count = numberOfField<int64_t>(fields, name);
   return count && *count >= 1 && *count <= kMostPlanes ? *count : 1;
 }
 
@@ -43,41 +49,24 @@ inline double lengthOr1(std::optional<double> length) {
   return length && *length >= kLeast && *length <= kMost ? *length : 1;
 }
 
-// The unit of a time as a description abbreviates it.
-inline std::string timeUnit(std::string_view text) {
-  static constexpr std::pair<std::string_view, const char*> kUnits[] = {{"", "second"},
-                                                                        {"s", "second"},
-                                                                        {"sec", "second"},
-                                                                        {"ms", "millisecond"},
-                                                                        {"msec", "millisecond"},
-                                                                        {"us", "microsecond"},
-                                                                        {"\u00b5s", "microsecond"},
-                                                                        {"\u03bcs", "microsecond"},
-                                                                        {"\\u00b5s", "microsecond"},
-                                                                        {"ns", "nanosecond"},
-                                                                        {"min", "minute"},
-                                                                        {"h", "hour"},
-                                                                        {"d", "day"}};
-  const std::string unit(trimmed(text));
-  for (const auto& [brief, name] : kUnits)
-    if (unit == brief || lowercase(unit) == brief) return name;
-  return printable(unit);
-}
-
 // Sets the time between frames as a description gives it under `name`, if there are several.
-inline void setFrameTimes(const Fields& fields, std::string_view name, std::string_view unit_name,
-                          PageOrder& order) {
+// `who`: "its OME description".
+inline void setFrameTimes(std::string_view who, const Fields& fields, std::string_view name,
+                          std::string_view unit_name, PageOrder& order) {
   const std::string text = fieldOf(fields, name);
   const std::string_view said = trimmed(text);
   if (said.empty() || order.frames < 2) return;
+  const std::string unit_text = fieldOf(fields, unit_name);
+  const std::string_view unit = trimmed(unit_text);
+  TimeAxis times{.unit = unit.empty() ? "second" : timeUnit(unit)};
   const std::optional<double> step = numberOf(said);
-  if (!step || *step <= 0) {
-    order.notes.push_back(fmt::format(
-        "its description has a {} of {}, which is no time between frames: it is left out", name,
-        printable(std::string(said))));
-    return;
-  }
-  order.times = TimeAxis{*step, 0, timeUnit(fieldOf(fields, unit_name))};
+  if (step && *step > 0)
+    times.step = *step;
+  else
+    order.notes.push_back(
+        fmt::format("{} has a {} of {}, which is no time between frames: {:g} {} is used", who,
+                    name, printable(said), times.step, times.unit));
+  order.times = std::move(times);
 }
 
 }  // namespace sluice

@@ -41,13 +41,13 @@ Fields fieldsOf(const XmlTag& tag) {
 // Keeps the place of a plane of the first channel and step.
 void addPlane(const Fields& plane, OmePixels& pixels) {
   const auto numberOf = [&](std::string_view name) {
-    return numberIn<int64_t>(fieldOf(plane, name)).value_or(-1);
+    return numberOfField<int64_t>(plane, name).value_or(-1);
   };
   const int64_t slice = numberOf("TheZ");
   // A volume has one place, for all of its channels and steps.
   if (numberOf("TheC") != 0 || numberOf("TheT") != 0 || slice < 0) return;
   if (slice == 0) pixels.first_plane = plane;
-  if (const auto depth = numberIn<double>(fieldOf(plane, "PositionZ")))
+  if (const auto depth = numberOfField<double>(plane, "PositionZ"))
     pixels.depths.emplace_back(slice, *depth);
 }
 
@@ -125,7 +125,7 @@ bool placePlanes(const std::vector<TiffBlock>& blocks, int64_t pages, PageOrder&
   for (const TiffBlock& block : blocks) {
     const auto numberOr = [&](std::string_view name, int64_t otherwise) {
       const std::string text = fieldOf(block.fields, name);
-      return text.empty() ? otherwise : numberIn<int64_t>(text).value_or(-1);
+      return text.empty() ? otherwise : numberOfField<int64_t>(block.fields, name).value_or(-1);
     };
     const int64_t page = numberOr("IFD", 0);
     const bool says_page = block.fields.count("IFD") > 0;
@@ -151,7 +151,7 @@ bool placePlanes(const std::vector<TiffBlock>& blocks, int64_t pages, PageOrder&
 std::optional<double> omeLength(const Fields& pixels, std::string_view axis,
                                 const std::string& unit) {
   const std::string name = fmt::format("PhysicalSize{}", axis);
-  const auto size = numberIn<double>(fieldOf(pixels, name));
+  const auto size = numberOfField<double>(pixels, name);
   const std::string own = fieldOf(pixels, name + "Unit");
   if (!size) return std::nullopt;
   // OME's default unit of a physical size is the micrometer.
@@ -212,7 +212,7 @@ void setOmeOrigin(const OmePixels& pixels, PageOrder& order) {
   Vec3d origin;
   for (int a = 0; a < 3; ++a) {
     const std::string axis(1, "XYZ"[a]), name = "Position" + axis;
-    const double at = numberIn<double>(fieldOf(pixels.first_plane, name)).value_or(0);
+    const double at = numberOfField<double>(pixels.first_plane, name).value_or(0);
     order.tells_place = order.tells_place || pixels.first_plane.contains(name);
     const auto units = unitsOfPosition(pixels.first_plane, axis, order.unit);
     if (at != 0 && !units) {
@@ -246,7 +246,7 @@ void setOmeOrigin(const OmePixels& pixels, PageOrder& order) {
 // A signed number of 32 bits: red, green, blue and alpha from the highest byte down. Writers that
 // do not choose a color write -1, white, which tells no channel from another.
 std::optional<std::array<double, 3>> omeColor(const std::string& text) {
-  const auto number = numberIn<int64_t>(text);
+  const auto number = numberIn<int64_t>(trimmed(text));
   if (!number || *number < INT32_MIN || *number > UINT32_MAX) return std::nullopt;
   const auto rgba = static_cast<uint32_t>(*number);
   if (rgba == UINT32_MAX) return std::nullopt;
@@ -301,7 +301,7 @@ PageOrder parseOmeDescription(std::string_view xml, int64_t pages) {
     order.notes.push_back(note);
   }
   describeChannels(pixels.channels, order);
-  setFrameTimes(pixels.fields, "TimeIncrement", "TimeIncrementUnit", order);
+  setFrameTimes("its OME description", pixels.fields, "TimeIncrement", "TimeIncrementUnit", order);
   if (fieldOf(pixels.fields, "PhysicalSizeX").empty()) return order;
   const std::string unit = fieldOf(pixels.fields, "PhysicalSizeXUnit");
   order.unit = unit.empty() ? "micrometer" : lengthUnit(unit);

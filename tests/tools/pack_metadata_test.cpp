@@ -83,8 +83,10 @@ TEST(PackedMetadata, warnsOfTimesThatAreNone) {
       level["coordinateTransformations"][0]["scale"][0] = wrong;
     std::ofstream(program.folder / "cells.zarr" / ".zattrs") << attributes;
     const CommandResult info = program.run("info cells.zarr");
-    EXPECT_THAT(info.output, testing::HasSubstr(fmt::format(
-                                 "its scale along the axis of time is {}: 1 is used", wrong)));
+    EXPECT_THAT(info.output,
+                testing::HasSubstr(fmt::format(
+                    "cells.zarr/.zattrs: its scale along the axis of time is {}: 1 second is used",
+                    wrong)));
     EXPECT_EQ(info.output.find("mirror"), std::string::npos);
     EXPECT_EQ(program.json("info cells.zarr")["times"],
               json({{"step", 1.0}, {"start", 10.0}, {"unit", "second"}}));

@@ -35,7 +35,7 @@ void setImageJSpacing(const Fields& fields, double pixels_x, double pixels_y, Pa
   if (order.unit.empty() && fieldOf(fields, "spacing").empty()) return;
   if (pixels_x > 0) order.spacing.x = lengthOr1(1 / pixels_x);
   order.spacing.y = pixels_y > 0 ? lengthOr1(1 / pixels_y) : order.spacing.x;
-  const auto depth = numberIn<double>(fieldOf(fields, "spacing"));
+  const auto depth = numberOfField<double>(fields, "spacing");
   order.spacing.z = lengthOr1(depth ? std::optional(std::abs(*depth)) : std::nullopt);
   if (depth && order.spacing.z != std::abs(*depth))
     order.notes.push_back(fmt::format(
@@ -53,7 +53,7 @@ void setImageJSpacing(const Fields& fields, double pixels_x, double pixels_y, Pa
 void setImageJOrigin(const Fields& fields, PageOrder& order) {
   for (int a = 0; a < 3; ++a) {
     constexpr const char* kKeys[] = {"xorigin", "yorigin", "zorigin"};
-    const double at = numberIn<double>(fieldOf(fields, kKeys[a])).value_or(0) * order.spacing[a];
+    const double at = numberOfField<double>(fields, kKeys[a]).value_or(0) * order.spacing[a];
     if (std::abs(at) <= kFarthest) order.origin[a] = 0 - at;  // no -0
     order.tells_place = order.tells_place || fields.contains(kKeys[a]);
   }
@@ -93,7 +93,7 @@ PageOrder imageJOrder(std::string_view text, int64_t pages, double pixels_x, dou
   order.channel_step = 1;
   order.slice_step = order.channels;
   order.frame_step = order.channels * order.slices;
-  setFrameTimes(fields, "finterval", "tunit", order);
+  setFrameTimes("its description", fields, "finterval", "tunit", order);
   setImageJSpacing(fields, pixels_x, pixels_y, order);
   setImageJOrigin(fields, order);
   return order;

@@ -9,6 +9,7 @@
 #include "io/headers/volume_description.h"
 #include "io/zarr/metadata/cf_attributes.h"
 #include "io/zarr/metadata/omero_channels.h"
+#include "io/zarr/metadata/zarr_times.h"
 #include "src/base/error.h"
 #include "src/base/files/json_field.h"
 #include "src/base/values/letter_case.h"
@@ -268,24 +269,6 @@ std::vector<Role> rolesByNumber(size_t axes, bool channel_wanted) {
   }
 }
 
-// The times of the steps, as far as the axis of time tells them.
-void placeSteps(const ZarrImage& image, const std::string& path, ZarrView& view) {
-  if (!view.time || view.layout.time_steps < 2) return;
-  const size_t axis = *view.time;
-  TimeAxis times;
-  if (!image.axes.empty()) times.unit = printable(image.axes[axis].unit);
-  if (!image.scale.empty()) {
-    times.step = image.scale[axis];
-    times.start = image.translation[axis];
-  }
-  if (!(times.step > 0)) {
-    view.notes.push_back(
-        fmt::format("{}: its scale along the axis of time is {}: 1 is used", path, times.step));
-    times.step = 1;
-  }
-  if (times != TimeAxis()) view.times = times;
-}
-
 void place(const ZarrImage& image, const std::string& path, ZarrView& view) {
   const auto unitOf = [&](size_t a) {
     return image.axes.empty() ? std::string() : lengthUnit(image.axes[view.space[a]].unit);
@@ -361,10 +344,13 @@ ZarrImage parseZarrImage(std::string_view text, const std::string& path, const s
 }
 
 std::vector<double> spaceScale(const ZarrImage& image) {
+  // Without names, the last three axes are z, y and x; see rolesByNumber().
+  if (image.axes.empty())
+    return {image.scale.end() - std::min<std::ptrdiff_t>(3, std::ssize(image.scale)),
+            image.scale.end()};
   std::vector<double> scale;
-  for (size_t i = 0; i < image.scale.size(); ++i) {
-    const std::optional<Role> role =
-        i < image.axes.size() ? roleOf(image.axes[i]) : std::optional(Role::kSomeSpace);
+  for (size_t i = 0; i < std::min(image.scale.size(), image.axes.size()); ++i) {
+    const std::optional<Role> role = roleOf(image.axes[i]);
     if (role != Role::kTime && role != Role::kChannel) scale.push_back(image.scale[i]);
   }
   return scale;

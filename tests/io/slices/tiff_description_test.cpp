@@ -56,22 +56,58 @@ TEST(TiffDescription, timesBetweenFramesAreInUnitsByTheirNames) {
   EXPECT_EQ(imageJ(""), std::nullopt);
 }
 
+std::string omeOfTimes(int frames, const std::string& more) {
+  return fmt::format(
+      "<OME><Image><Pixels DimensionOrder=\"XYZCT\" SizeX=\"4\" SizeY=\"4\" SizeZ=\"1\" "
+      "SizeC=\"1\" SizeT=\" {} \" {}/></Image></OME>",
+      frames, more);
+}
+
+TEST(TiffDescription, unitsOfTimeHaveTheirNamesInOmeZarr) {
+  const auto unitOf = [](const char* unit) {
+    const std::string text =
+        omeOfTimes(3, fmt::format("TimeIncrement=\" 2.5 \" TimeIncrementUnit=\"{}\"", unit));
+    const PageOrder order = parseTiffDescription(text, 3, 0, 0);
+    EXPECT_EQ(order.times.value_or(TimeAxis()).step, 2.5) << "blanks around a number";
+    return order.times.value_or(TimeAxis()).unit;
+  };
+  EXPECT_EQ(unitOf(""), "second");
+  EXPECT_EQ(unitOf("Zs"), "zettasecond");
+  EXPECT_EQ(unitOf("Ms"), "megasecond") << "symbols differ by their case";
+  EXPECT_EQ(unitOf("ms"), "millisecond");
+  EXPECT_EQ(unitOf("\u03bcs"), "microsecond");
+  EXPECT_EQ(unitOf(" min "), "minute");
+  EXPECT_EQ(unitOf("Hours"), "hour");
+  EXPECT_EQ(unitOf("fortnight"), "fortnight");
+}
+
+TEST(TiffDescription, lengthsMayHaveBlanksAround) {
+  const std::string text = omeOfTimes(3, "PhysicalSizeX=\" 2 \" PhysicalSizeZ=\"\t3\n\"");
+  const PageOrder order = parseTiffDescription(text, 3, 0, 0);
+  EXPECT_EQ(order.spacing, (Vec3d{2, 2, 3}));
+}
+
+// The unit is kept.
 TEST(TiffDescription, timesThatAreNoneAreWarnedOf) {
-  for (const char* wrong : {"0", "-2", "nan", "inf", "abc", "2,5", "1e999"}) {
-    const std::string text = fmt::format("ImageJ=1.53t\nimages=3\nframes=3\nfinterval={}\n", wrong);
+  for (const char* wrong : {"0", "-2", "nan", "inf", "INF", "abc", "2,5", "1e999"}) {
+    const std::string text =
+        fmt::format("ImageJ=1.53t\nimages=3\nframes=3\nfinterval={}\ntunit=ms\n", wrong);
     const PageOrder frames = parseTiffDescription(text, 3, 1, 1);
-    EXPECT_EQ(frames.times, std::nullopt) << wrong;
-    EXPECT_THAT(frames.notes, testing::ElementsAre(HasSubstr(fmt::format(
-                                  "a finterval of {}, which is no time between frames", wrong))));
+    EXPECT_EQ(frames.times, (TimeAxis{1, 0, "millisecond"})) << wrong;
+    EXPECT_THAT(
+        frames.notes,
+        testing::ElementsAre(HasSubstr(fmt::format(
+            "a finterval of {}, which is no time between frames: 1 millisecond is used", wrong))));
     const auto ome = [wrong](int frames) {
-      return parseTiffDescription(
-          fmt::format("<OME><Image><Pixels DimensionOrder=\"XYZCT\" SizeX=\"4\" SizeY=\"4\" "
-                      "SizeZ=\"1\" SizeC=\"1\" SizeT=\"{}\" TimeIncrement=\"{}\"/></Image></OME>",
-                      frames, wrong),
-          frames, 0, 0);
+      const std::string more = fmt::format("TimeIncrement=\"{}\" TimeIncrementUnit=\"min\"", wrong);
+      return parseTiffDescription(omeOfTimes(frames, more), frames, 0, 0);
     };
-    EXPECT_EQ(ome(3).times, std::nullopt) << wrong;
-    EXPECT_THAT(ome(3).notes, testing::Contains(HasSubstr("a TimeIncrement of")));
+    EXPECT_EQ(ome(3).times, (TimeAxis{1, 0, "minute"})) << wrong;
+    EXPECT_THAT(ome(3).notes,
+                testing::Contains(HasSubstr(fmt::format(
+                    "its OME description has a TimeIncrement of {}, which is no time between "
+                    "frames: 1 minute is used",
+                    wrong))));
     EXPECT_THAT(ome(1).notes, testing::Not(testing::Contains(HasSubstr("TimeIncrement"))));
   }
 }
