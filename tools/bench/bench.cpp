@@ -6,6 +6,7 @@
 #include "src/library/drawing/scene/picture_facts.h"
 #include "tools/command_line/console.h"
 #include "tools/command_line/parse.h"
+#include "tools/command_line/usage.h"
 
 namespace sluice {
 
