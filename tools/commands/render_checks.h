@@ -25,7 +25,7 @@ std::vector<int64_t> framesToDraw(const RenderArguments& arguments, Team* team);
 // cut or a copy may leave a part of one. Throws Error for a picture of another size, which is none
 // of this series.
 bool isDrawn(const RenderArguments& arguments, const std::filesystem::path& picture);
-// What tells the options of an earlier run.
+// The comparison of a run's options with those of an earlier run.
 enum class Comparison { kNone, kByReport };
 // Prints, unless quiet, that so many of the pictures stay as an earlier run has drawn them, and
 // what would tell the options of that run.

@@ -216,14 +216,15 @@ std::optional<TimeAxis> readTimes(const NiftiFields& f, const std::string& path,
   const auto unit = static_cast<uint64_t>(f.xyzt_units) >> 3;
   if (layout.time_steps < 2 || unit >= kUnits.size() || f.pixdim[4] == 0) return std::nullopt;
   TimeAxis times{f.pixdim[4], f.toffset, kUnits[unit]};
-  const auto note = [&](const char* field, double said, double used) {
+  const auto note = [&](const char* field, double said, const char* what, double used) {
     layout.notes.push_back(fmt::format("{}: {} is {}; a {} of {:g}{} is used", path, field, said,
-                                       used > 0 ? "time between steps" : "time of the first step",
-                                       used, times.unit.empty() ? "" : " " + times.unit));
+                                       what, used, times.unit.empty() ? "" : " " + times.unit));
     return used;
   };
-  if (!std::isfinite(times.step) || times.step < 0) times.step = note("pixdim[4]", times.step, 1);
-  if (!std::isfinite(times.start)) times.start = note("toffset", times.start, 0);
+  if (!std::isfinite(times.step) || times.step < 0)
+    times.step = note("pixdim[4]", times.step, "time between steps", 1);
+  if (!std::isfinite(times.start))
+    times.start = note("toffset", times.start, "time of the first step", 0);
   return times;
 }
 

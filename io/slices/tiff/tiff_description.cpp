@@ -93,7 +93,7 @@ PageOrder imageJOrder(std::string_view text, int64_t pages, double pixels_x, dou
   order.channel_step = 1;
   order.slice_step = order.channels;
   order.frame_step = order.channels * order.slices;
-  setFrameTimes("its description", fields, "finterval", "tunit", order);
+  setFrameTimes("its ImageJ description", fields, "finterval", "tunit", order);
   setImageJSpacing(fields, pixels_x, pixels_y, order);
   setImageJOrigin(fields, order);
   return order;

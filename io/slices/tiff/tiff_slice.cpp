@@ -55,7 +55,7 @@ class TiffPicture final : public SlicePicture {
  private:
   void goTo(int64_t page, size_t level) {
     if (page == page_number_ && level == level_) return;
-    stream_.message.clear();
+    stream_.failure = {};
     // Stands again once the table is read: a failure leaves libtiff at another one.
     page_number_ = -1;
     const auto i = static_cast<size_t>(page);

@@ -39,7 +39,7 @@ tmsize_t read(thandle_t handle, void* to, tmsize_t bytes) {
     return static_cast<tmsize_t>(got);
     // libtiff is C: no exception may pass its frames.
   } catch (const std::exception& e) {
-    if (s.message.empty()) s.message = e.what(), s.reading_failed = true;
+    if (s.failure.message.empty()) s.failure = {e.what(), true};
     return -1;
   }
 }
@@ -63,8 +63,9 @@ int error(TIFF*, void* user, const char* module, const char* format, va_list arg
   char text[256];
   std::vsnprintf(text, sizeof text, format, arguments);
   // The first message names the cause, later ones what follows from it.
-  if (s.message.empty()) s.message = fmt::format("{}: {}", module == nullptr ? "" : module, text);
-  std::replace(s.message.begin(), s.message.end(), '\n', ' ');
+  std::string& message = s.failure.message;
+  if (message.empty()) message = fmt::format("{}: {}", module == nullptr ? "" : module, text);
+  std::replace(message.begin(), message.end(), '\n', ' ');
   return 1;  // handled: libtiff's own printing is left out
 }
 int warning(TIFF*, void* user, const char*, const char* format, va_list arguments) {
@@ -79,9 +80,8 @@ int warning(TIFF*, void* user, const char*, const char* format, va_list argument
 }  // namespace
 
 void TiffStream::failWith(const std::string& what) {
-  std::string reason = std::exchange(message, {});
-  if (std::exchange(reading_failed, false)) fail("{}", reason);
-  // A failed read names the file, too.
+  auto [reason, is_of_reading] = std::exchange(failure, {});
+  if (is_of_reading) fail("{}", reason);
   const std::string named = file.path() + ": ";
   if (reason.starts_with(named)) reason.erase(0, named.size());
   fail("{}: {}{}{}", file.path(), what, reason.empty() ? "" : ": ", reason);

@@ -17,6 +17,12 @@
 
 namespace sluice {
 
+// The first failure that libtiff told; without a message: none.
+struct TiffFailure {
+  std::string message;
+  bool is_of_reading = false;  // the file could not be read, whatever it holds
+};
+
 struct TiffStream {
   explicit TiffStream(const std::filesystem::path& path) : file(path) {}
 
@@ -29,8 +35,7 @@ struct TiffStream {
   std::array<std::byte, 2048> window;
   uint64_t window_at = 0;
   size_t window_size = 0;
-  std::string message;
-  bool reading_failed = false;  // the message tells of the file, not of what it holds
+  TiffFailure failure;
   // libtiff has put the pixels' own size in place of what a table says of its only strip, because
   // that is too little or nothing.
   bool strip_size_replaced = false;

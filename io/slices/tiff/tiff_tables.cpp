@@ -63,7 +63,7 @@ class TableReader {
       if (!is_plain && compressed == 0) compressed = tables_.pages.size();
     } while (TIFFReadDirectory(tiff_) != 0);
     // The loop ends at the last table or at a damaged one; only the handler's message tells which.
-    if (!stream_.message.empty()) stream_.failWith("damaged TIFF");
+    if (!stream_.failure.message.empty()) stream_.failWith("damaged TIFF");
     if (too_small != 0 && compressed != 0)
       fail(
           "{}: page {} has fewer bytes than its uncompressed pixels take, and page {} is "
@@ -118,7 +118,7 @@ class TableReader {
       std::string fault = "its table is damaged";
       if (TIFFSetSubDirectory(tiff_, directory) != 0) fault = addReduced();
       // A damaged level is left out, so that its message must not end up in a later failure.
-      stream_.message.clear();
+      stream_.failure = {};
       if (fault.empty()) continue;
       tables_.format.notes.push_back(
           fmt::format("reduced image {} of page 1 is left out, and smaller ones: {}",

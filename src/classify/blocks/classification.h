@@ -37,8 +37,8 @@ struct ObjectBlock {
   unsigned level_faces = 0;
 };
 
-// Where a block of a cut meets a coarser one: at a face, an edge or a corner. Surfaces are drawn by
-// both blocks in cells of the finer one, see LevelFade.
+// A face, an edge or a corner at which a block of a cut meets a coarser one. Both blocks draw their
+// surfaces in cells of the finer one, see LevelFade.
 struct LevelSeam {
   BlockName fine, coarse;
   Box3 cells;  // those of the finer block next to the coarser one

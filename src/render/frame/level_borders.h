@@ -1,9 +1,9 @@
-// Boxes beside a block in which its surfaces are drawn, too (BoxDraw::beside), where no block of
-// another level is drawn. They close the cracks between blocks of different levels of resolution:
-// the means of two levels differ, so that a surface may lie on one side of a face by the one level
-// and on its other side by the other. They reach as far as the texels around the block do, and at
-// most a voxel of its level. Where a block of another level is drawn, both draw their surfaces in
-// the cells of a seam (level_fades.h). Pure functions.
+// Boxes beside a block in which its opaque surfaces are drawn, too (BoxDraw::beside), where no
+// block of another level is drawn. They close the cracks between blocks of different levels of
+// resolution: the means of two levels differ, so that a surface may lie on one side of a face by
+// the one level and on its other side by the other. They reach as far as the texels around the
+// block do, and at most a voxel of its level. Where a block of another level is drawn, both draw
+// their surfaces in the cells of a seam (level_fades.h). Pure functions.
 #pragma once
 
 #include <vector>

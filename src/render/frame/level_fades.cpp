@@ -128,7 +128,7 @@ SeamBoxes seamBoxes(const LevelSeam& seam, BoxDraw coarse, const Box3& fine, con
       (is_upper ? rest.hi : rest.lo)[axis] = plane;
       if (coarse.cells.empty()) continue;
       const bool is_before = passesLowerFirst(eye, axis, plane) != is_upper;
-      // What is cut off first lies outside of what is cut off later.
+      // Each part lies outside of those that are cut off after it.
       if (is_before)
         boxes.before.push_back(coarse);
       else

@@ -51,7 +51,7 @@ bool passesLowerFirst(const EyePosition& eye, int axis, int64_t plane);
 // The boxes that draw the coarser block's share at a seam.
 struct SeamBoxes {
   std::optional<BoxDraw> joined;  // in the cells of the finer block's box
-  // Where the finer block shows nothing: those that rays pass before its box, and behind it.
+  // In cells in which the finer block shows nothing: rays pass these before its box, or behind it.
   std::vector<BoxDraw> before, behind;
 };
 // `coarse`: the coarser block's texels, as a box. `fine`: the box that it joins. `shown`: cells

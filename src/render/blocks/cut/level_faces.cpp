@@ -1,6 +1,7 @@
 #include "src/render/blocks/cut/level_faces.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstddef>
@@ -46,14 +47,16 @@ int64_t reachOf(const PyramidLayout& pyramid, const BlockName& coarse, int axis,
   return std::clamp<int64_t>(static_cast<int64_t>(std::floor(cells + kCellRounding)), 0, most);
 }
 
-// The faces, edges and corners of a block by the faces that they lie on: in this order.
-std::vector<unsigned> facesOfSides() {
-  std::vector<unsigned> sides;
-  for (unsigned faces = 1; faces < 64; ++faces)
-    if ((faces & faces >> 3) == 0) sides.push_back(faces);  // none lies on opposite faces
-  std::ranges::stable_sort(sides, {}, [](unsigned faces) { return std::popcount(faces); });
+// The faces of a block, then its edges, then its corners, each by the faces that it lies on.
+constexpr std::array kSides = [] {
+  std::array<unsigned, 26> sides{};
+  size_t next = 0;
+  for (int count = 1; count <= 3; ++count)
+    for (unsigned faces = 1; faces < 64; ++faces)
+      // None lies on opposite faces.
+      if (std::popcount(faces) == count && (faces & faces >> 3) == 0) sides[next++] = faces;
   return sides;
-}
+}();
 
 // The planes of faces of a block that meet at a side of it, and its cells beyond them.
 struct BlockSide {
@@ -123,7 +126,6 @@ void setLevelFaces(const PyramidLayout& pyramid, std::vector<ObjectBlock>& block
 
 std::vector<LevelSeam> takeLevelSeams(const PyramidLayout& pyramid, const SeamQuestion& question,
                                       std::vector<ObjectBlock>& blocks) {
-  static const std::vector<unsigned> sides = facesOfSides();
   Positions positions;
   positions.reserve(blocks.size());
   for (size_t i = 0; i < blocks.size(); ++i) positions.emplace(blocks[i].name, i);
@@ -136,7 +138,7 @@ std::vector<LevelSeam> takeLevelSeams(const PyramidLayout& pyramid, const SeamQu
       return std::ranges::find(seams.begin() + static_cast<std::ptrdiff_t>(first), seams.end(),
                                coarse, &LevelSeam::coarse) != seams.end();
     };
-    for (const unsigned faces : sides) {
+    for (const unsigned faces : kSides) {
       const bool is_face = std::has_single_bit(faces);
       if (!is_face && !question.with_edges) break;
       if (is_face && (block.level_faces & faces) == 0) continue;
