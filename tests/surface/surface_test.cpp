@@ -6,11 +6,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <map>
 #include <optional>
-#include <sstream>
 
 #include "src/surface/vertex_maker.h"
 #include "tests/support/counting_source.h"
@@ -18,65 +16,10 @@
 #include "tests/support/failing_source.h"
 #include "tests/support/function_source.h"
 #include "tests/support/random_volume.h"
-#include "tests/support/temp_folder.h"
-#include "tests/surface/mesh_checks.h"
+#include "tests/surface/made_surface.h"
 
-namespace sluice {
+namespace sluice::surface_test {
 namespace {
-
-struct Options {
-  double threshold = 0;
-  int64_t block = 16;
-  int threads = 2;
-  uint64_t memory_bytes = UINT64_MAX;
-  bool is_closed = false;
-  std::optional<Box3> cells = {};
-  MeshFormat format = MeshFormat::kPly;
-  StopToken stop = {};
-  CheckBlock check = {};
-};
-
-struct Made {
-  SurfaceReport report;
-  std::string bytes;  // of the file
-  Mesh mesh;          // of a PLY
-};
-
-// The min-max arrays are made from `source`, the surface from `read`.
-Made makeFrom(VolumeSource& source, VolumeSource& read, const Options& options) {
-  const TempFolder folder;
-  WorkerPool pool(options.threads);
-  ProgressMeter progress;
-  const VolumeLayout& layout = source.layout();
-  const SliceRanges ranges =
-      buildSliceRanges(source, 0, blockLayout(layout.dims, options.block, 1), {pool, progress});
-  const InsideSet inside = insideSet(deviceMap(layout), options.threshold);
-  const SurfaceRegion region{options.cells.value_or(boxOf(layout.dims - Vec3i{1, 1, 1})),
-                             options.is_closed};
-  const SurfaceRequest request{
-      .source = read,
-      .time = 0,
-      .inside = inside,
-      .place = surfacePlace(layout, {}),
-      .region = region,
-      .states = blockStates(ranges, inside, options.is_closed ? &region.cells : nullptr),
-      .check = options.check,
-      .memory_bytes = options.memory_bytes,
-      .stop = options.stop};
-  const auto path = folder / "mesh";
-  Made made;
-  {
-    MeshFile file(path, options.format, "a test");
-    made.report = makeSurface(request, file, pool, progress);
-    file.commit();
-  }
-  made.bytes = readFile(path);
-  if (options.format == MeshFormat::kPly) made.mesh = readPly(path);
-  return made;
-}
-Made make(VolumeSource& source, const Options& options) {
-  return makeFrom(source, source, options);
-}
 
 // The vertices by plain loops over all edges: positions in voxels, sorted.
 template <class T>
@@ -318,52 +261,6 @@ TEST(Surface, isEmptyIfNoValueReachesTheThreshold) {
   EXPECT_EQ(made.report.blocks_read, 0);
 }
 
-TEST(Surface, ofStlHasTheSameTriangles) {
-  const auto source = makeWhiteNoise({40, 24, 21}, VoxelType::kU8, 4);
-  const auto expected = sortedTriangles(make(*source, {.threshold = 60, .block = 8}).mesh);
-  const Made made = make(*source, {.threshold = 60, .block = 8, .format = MeshFormat::kStl});
-  uint32_t count = 0;
-  std::memcpy(&count, made.bytes.data() + 80, sizeof count);
-  ASSERT_EQ(made.bytes.size(), 84 + size_t{count} * 50);
-  std::vector<std::array<Triple, 3>> triangles(count);
-  for (size_t i = 0; i < count; ++i) {
-    std::memcpy(triangles[i].data(), made.bytes.data() + 84 + i * 50 + 12, sizeof triangles[i]);
-    auto& corners = triangles[i];
-    std::rotate(corners.begin(), std::min_element(corners.begin(), corners.end()), corners.end());
-  }
-  std::ranges::sort(triangles);
-  EXPECT_EQ(triangles, expected);
-}
-
-TEST(Surface, ofObjHasTheSameVerticesAndTriangles) {
-  const auto source = makeWhiteNoise({20, 14, 11}, VoxelType::kU16, 4);
-  const Mesh expected = make(*source, {.threshold = 9000, .block = 8}).mesh;
-  const Made made = make(*source, {.threshold = 9000, .block = 8, .format = MeshFormat::kObj});
-  std::istringstream lines(made.bytes);
-  std::string line;
-  size_t vertices = 0, normals = 0, triangles = 0;
-  while (std::getline(lines, line)) {
-    std::istringstream words(line);
-    std::string word;
-    words >> word;
-    if (word == "v" || word == "vn") {
-      Triple triple;
-      words >> triple[0] >> triple[1] >> triple[2];
-      const MeshVertex& vertex = expected.vertices.at(word == "v" ? vertices++ : normals++);
-      EXPECT_EQ(triple, word == "v" ? vertex.position : vertex.normal);
-    } else if (word == "f") {
-      for (const uint32_t number : expected.triangles.at(triangles)) {
-        words >> word;
-        EXPECT_EQ(word, fmt::format("{0}//{0}", number + 1));
-      }
-      ++triangles;
-    }
-  }
-  EXPECT_EQ(vertices, expected.vertices.size());
-  EXPECT_EQ(normals, vertices);
-  EXPECT_EQ(triangles, expected.triangles.size());
-}
-
 TEST(Surface, failsOnceWithTheReadersError) {
   const auto source = makeWhiteNoise({80, 60, 60}, VoxelType::kU8, 4);
   for (const int64_t first : {0, 1, 7}) {
@@ -410,4 +307,4 @@ TEST(Surface, stopsWhenItIsAskedTo) {
 }
 
 }  // namespace
-}  // namespace sluice
+}  // namespace sluice::surface_test
