@@ -104,6 +104,19 @@ std::optional<IndexedRanges> keptRanges(const VolumeSource& source, const IndexP
   return result;
 }
 
+std::optional<IndexedRanges> keptRangesOfAnyBlocks(const VolumeSource& source,
+                                                   const IndexPlaces& places, int64_t time) {
+  // Indices of smaller blocks are longer than what they are read for is worth.
+  constexpr int64_t kMostSide = 1024, kLeastSide = 16;
+  constexpr int kMostGhosts = 3;
+  for (int64_t side = kMostSide; side >= kLeastSide; side /= 2)
+    for (int ghost = 0; ghost <= kMostGhosts; ++ghost)
+      if (auto kept =
+              keptRanges(source, places, time, blockLayout(source.layout().dims, side, ghost)))
+        return kept;
+  return std::nullopt;
+}
+
 void keepLearnt(const VolumeSource& source, const IndexPlaces& places, int64_t time,
                 const SliceRanges& ranges) {
   ByteWriter out;

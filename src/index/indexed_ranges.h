@@ -32,6 +32,11 @@ struct IndexedRanges {
 std::optional<IndexedRanges> keptRanges(const VolumeSource& source, const IndexPlaces& places,
                                         int64_t time, const BlockLayout& layout);
 
+// The same of blocks of any size, with any border: the largest blocks that are kept. Range, counts
+// and bricks are those of an index of other blocks.
+std::optional<IndexedRanges> keptRangesOfAnyBlocks(const VolumeSource& source,
+                                                   const IndexPlaces& places, int64_t time);
+
 // Ranges of some blocks, which pictures have learnt (src/volume/ranges/learnt_ranges.h), for a
 // volume that has no index: nullopt if none are kept, or not of its present state. Range and counts
 // of the values are those that keepLearnt() was given.

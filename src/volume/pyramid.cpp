@@ -23,6 +23,18 @@ int64_t ceilOf(double at) {
   return static_cast<int64_t>(std::ceil(at - kRounding));
 }
 
+// The finest cells between two places of a level, rounded outwards.
+Box3 cellsBetween(const LevelPlacement& placement, Vec3d level_lo, Vec3d level_hi) {
+  const Vec3d lo = placement.finestFromLevel(level_lo);
+  const Vec3d hi = placement.finestFromLevel(level_hi);
+  Box3 cells;
+  for (int a = 0; a < 3; ++a) {
+    cells.lo[a] = floorOf(lo[a]);
+    cells.hi[a] = ceilOf(hi[a]);
+  }
+  return cells;
+}
+
 }  // namespace
 
 Box3 LevelLayout::voxelsUnder(const Box3& cells) const {
@@ -41,14 +53,13 @@ Box3 LevelLayout::voxelsUnder(const Box3& cells) const {
 }
 
 Box3 LevelLayout::cellsOver(const Box3& level_cells) const {
-  const Vec3d lo = placement.finestFromLevel(toDouble(level_cells.lo));
-  const Vec3d hi = placement.finestFromLevel(toDouble(level_cells.hi));
-  Box3 cells;
-  for (int a = 0; a < 3; ++a) {
-    cells.lo[a] = floorOf(lo[a]);
-    cells.hi[a] = ceilOf(hi[a]);
-  }
-  return cells;
+  return cellsBetween(placement, toDouble(level_cells.lo), toDouble(level_cells.hi));
+}
+
+Box3 LevelLayout::cellsAround(const Box3& level_voxels) const {
+  const Vec3d half{0.5, 0.5, 0.5};
+  return cellsBetween(placement, toDouble(level_voxels.lo) - half,
+                      toDouble(level_voxels.hi) - half);
 }
 
 PyramidLayout::PyramidLayout(const BlockLayout& finest) {

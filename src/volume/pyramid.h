@@ -35,6 +35,9 @@ struct LevelLayout {
   Box3 voxelsUnder(const Box3& cells) const;
   // The finest cells that these cells of the level touch, those beyond the volume included.
   Box3 cellsOver(const Box3& level_cells) const;
+  // The finest cells around the places that these voxels of the level stand for, half a voxel to
+  // each side, those beyond the volume included.
+  Box3 cellsAround(const Box3& level_voxels) const;
 };
 
 class PyramidLayout {

@@ -55,7 +55,7 @@ TEST(StandIn, spreadsTellTheRangeOfTwoValues) {
       for (const CoarserLevel& level : levels.levels()) {
         const ValueRange means = meansOf(level);
         const Box3 cells = brickCells(level.source->layout().dims, std::nullopt);
-        const auto [range, bricks] = reachOfSpreads(level, means, cells, 0, pool);
+        const ValueRange range = reachOfSpreads(level, means, cells, 0, pool).range;
         if (level.placement.scale.x > 2) {
           EXPECT_GT(means.hi - means.lo, 1);
           EXPECT_LT(means.hi - means.lo, 150);
@@ -89,12 +89,12 @@ TEST(StandIn, bricksHaveTheValuesThatSpreadsAreDrawnWith) {
     const ValueRange means = meansOf(level);
     EXPECT_LT(means.hi, 40);
     const SpreadReach reach = reachOfSpreads(level, means, cells, 0, pool);
-    const Vec3i grid = reach.bricks.grid();
+    const Vec3i grid = reach.drawn.bricks.grid();
     const auto shows = [&](Vec3i cell) {
-      const Vec3i brick = cell / reach.bricks.side;
+      const Vec3i brick = cell / reach.drawn.bricks.side;
       const auto at = static_cast<size_t>((brick.z * grid.y + brick.y) * grid.x + brick.x);
       return visitDeviceType(deviceMap(level.source->layout()).type, [&](auto tag) {
-        return static_cast<double>(reach.bricks.rangesAs<decltype(tag)>()[at].hi) > 100;
+        return static_cast<double>(reach.drawn.bricks.rangesAs<decltype(tag)>()[at].hi) > 100;
       });
     };
     EXPECT_TRUE(shows({10, 6, 0}));

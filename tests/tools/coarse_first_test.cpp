@@ -1,5 +1,6 @@
 // Pictures of coarse levels that do not wait for the finest one: what is read for them, and what
 // they say.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -8,6 +9,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "io/pictures/png_file.h"
@@ -133,6 +135,47 @@ TEST_F(CoarseFirst, theFitTakesInWhatSpreadsShow) {
       }
     }
   EXPECT_GT(shown, 20);
+}
+
+// The camera's options, as a picture keeps them.
+double zoomOf(const std::filesystem::path& exr) {
+  const std::string bytes = readFile(exr);
+  const size_t at = bytes.find("--zoom ");
+  return at == std::string::npos ? 0 : std::stod(bytes.substr(at + 7));
+}
+
+TEST_F(CoarseFirst, theFitIsNearlyThatOfLevelZero) {
+  // Spheres leave most of the bricks' corners empty.
+  for (const char* look : {"--threshold 60 --pixel-error 2", "--iso 200 --max-bytes 1M"}) {
+    const std::string picture =
+        std::string("render v.zarr -o x.exr --size 100 --range 0,255 --force ") + look;
+    removeIndex();
+    EXPECT_THAT(run(picture), HasSubstr("no index yet"));
+    const double first = zoomOf(program_.folder / "x.exr");
+    run("info v.zarr");
+    EXPECT_THAT(run(picture), Not(HasSubstr("no index yet")));
+    EXPECT_GT(first, 1);
+    EXPECT_NEAR(first / zoomOf(program_.folder / "x.exr"), 1, 0.01) << look;
+  }
+}
+
+// Fit, range and look follow from the voxels, not from the blocks of an index.
+TEST_F(CoarseFirst, anIndexOfOtherBlocksTellsTheSame) {
+  for (const char* indexed : {"info v.zarr --block 64", "render v.zarr -o x.exr --level 0 --force",
+                              "render v.zarr -o x.exr --level 0 --no-shade --block 16 --force"}) {
+    removeIndex();
+    run(indexed);
+    const auto picture = [&](int block) {
+      json report = program_.json(fmt::format(
+          "render v.zarr -o x.exr --size 100 --pixel-error 2 --block {} --force", block));
+      EXPECT_EQ(report["volume"]["values_level"], 0) << indexed << ", blocks of " << block;
+      return std::pair(zoomOf(program_.folder / "x.exr"), report["look"].dump());
+    };
+    const auto first = picture(32);
+    EXPECT_EQ(picture(128), first);
+    run("info v.zarr --block 32");
+    EXPECT_EQ(picture(32), first);
+  }
 }
 
 // Whichever of several volumes it is.

@@ -80,7 +80,7 @@ bool mustReadFinest(const FittedScene& fitted, const RenderArguments& arguments,
   if (team == nullptr) return must_read;
   Message mine{std::byte{must_read}};
   for (const Layer* layer : scene.layers())
-    mine.push_back(std::byte{layer->volume.stand_in.has_value()});
+    mine.push_back(std::byte(layer->volume.stand_in ? layer->volume.stand_in->level + 1 : 0));
   return std::ranges::any_of(team->gatherAll(mine), [&](const Message& other) {
     return other != mine || other.front() != std::byte{0};
   });

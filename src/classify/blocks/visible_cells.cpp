@@ -116,11 +116,21 @@ std::vector<Box3> visibleCellsAs(const SliceRanges& ranges, const BrickRanges& b
   const auto each = bricks.rangesAs<T>();
   std::vector<Box3> boxes;
   size_t at = 0;
+  // Neighbours often have the same range.
+  PlaneRange<T> asked = kNoVoxels<T>;
+  bool is_seen = false;
+  const auto brickShows = [&](PlaneRange<T> range) {
+    if (range.lo != asked.lo || range.hi != asked.hi) {
+      asked = range;
+      is_seen = shows(transfer, ranges.map, range);
+    }
+    return is_seen;
+  };
   for (int64_t z = 0; z < grid.z; ++z)
     for (int64_t y = 0; y < grid.y; ++y) {
       Row row;
       for (int64_t x = 0; x < grid.x; ++x, ++at) {
-        if (!shows(transfer, ranges.map, each[at])) continue;
+        if (!brickShows(each[at])) continue;
         const Box3 cells = intersect(bricks.cellsOf({x, y, z}), inside);
         if (!cells.empty()) row.add(cells);
       }
@@ -142,6 +152,32 @@ std::vector<Box3> visibleBricks(const SliceRanges& ranges, const BrickRanges& br
                                 const TransferFunction& transfer, const Box3& crop) {
   return visitDeviceType(ranges.map.type, [&](auto tag) {
     return visibleCellsAs<decltype(tag)>(ranges, bricks, transfer, crop, Cut::kNone);
+  });
+}
+
+Box3 visiblePlanes(const PlaneRanges& planes, const ValueMap& map,
+                   const TransferFunction& transfer) {
+  return visitDeviceType(map.type, [&](auto tag) {
+    Box3 box;
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto each = planes.rangesAs<decltype(tag)>(axis);
+      const auto planeShows = [&](size_t plane) { return shows(transfer, map, each[plane]); };
+      // The plane with what lies between it and the next: 1 or 2 planes are seen by it.
+      const auto pairShows = [&](size_t plane) {
+        auto range = each[plane];
+        widen(range, each[plane + 1]);
+        return shows(transfer, map, range);
+      };
+      size_t lo = 0, hi = each.size();
+      while (lo < hi && !planeShows(lo) && !(lo + 1 < hi && pairShows(lo))) ++lo;
+      // Of a pair that shows by its second plane alone, the first is empty.
+      if (lo + 1 < hi && !planeShows(lo) && planeShows(lo + 1)) ++lo;
+      while (hi > lo && !planeShows(hi - 1) && !(hi - 1 > lo && pairShows(hi - 2))) --hi;
+      if (hi > lo + 1 && !planeShows(hi - 1) && planeShows(hi - 2)) --hi;
+      box.lo[axis] = static_cast<int64_t>(lo);
+      box.hi[axis] = static_cast<int64_t>(hi);
+    }
+    return box;
   });
 }
 

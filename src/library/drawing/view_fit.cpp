@@ -17,27 +17,44 @@ Box3 cellsUnder(const LevelLayout& level, const Box3& finest_cells, const Box3& 
   return {lo, max(lo + one, min(voxels.hi - one, all.hi))};
 }
 
+// The finest cells that these voxels of the level show, among others. Beyond its outermost voxels
+// the level shows their values.
+Box3 cellsAround(const LevelLayout& level, const Box3& voxels, const Box3& among) {
+  Box3 cells = level.cellsAround(voxels);
+  for (int a = 0; a < 3; ++a) {
+    if (voxels.lo[a] == 0) cells.lo[a] = among.lo[a];
+    if (voxels.hi[a] == level.blocks.dims[a]) cells.hi[a] = among.hi[a];
+  }
+  return intersect(cells, among);
+}
+
 // The cells of a coarse level that can show anything, among the finest ones. Beyond its outermost
 // voxels the level shows their values. `reach`: its values with their spreads, which are drawn;
 // null: it has none.
 std::vector<Box3> cellsOfStandIn(const LevelLayout& level, const IndexedRanges& index,
-                                 const BrickRanges* reach, const TransferFunction& transfer,
+                                 const ReachRanges* reach, const TransferFunction& transfer,
                                  const Box3& crop) {
   const Box3 all = boxOf(level.blocks.dims - Vec3i{1, 1, 1});
   std::vector<Box3> boxes;
   if (crop.empty()) return boxes;
+  Box3 within = crop;
+  if (reach != nullptr) {
+    const Box3 voxels = visiblePlanes(reach->planes, index.ranges.map, transfer);
+    if (voxels.empty()) return boxes;
+    within = cellsAround(level, voxels, crop);
+  }
   // The crop comes first: of cells in a row, the ends alone are told.
   const Box3 inside = cellsUnder(level, crop, all);
-  const std::vector<Box3> visible = reach == nullptr
-                                        ? visibleCells(index.ranges, index.bricks, transfer, inside)
-                                        : visibleBricks(index.ranges, *reach, transfer, inside);
+  const std::vector<Box3> visible =
+      reach == nullptr ? visibleCells(index.ranges, index.bricks, transfer, inside)
+                       : visibleBricks(index.ranges, reach->bricks, transfer, inside);
   for (const Box3& cells : visible) {
     Box3 box = level.cellsOver(cells);
     for (int a = 0; a < 3; ++a) {
       if (cells.lo[a] == all.lo[a]) box.lo[a] = crop.lo[a];
       if (cells.hi[a] == all.hi[a]) box.hi[a] = crop.hi[a];
     }
-    box = intersect(box, crop);
+    box = intersect(box, within);
     if (!box.empty()) boxes.push_back(box);
   }
   return boxes;
@@ -47,10 +64,11 @@ std::vector<Box3> cellsOfStandIn(const LevelLayout& level, const IndexedRanges& 
 
 std::vector<Box3> shownCells(const IndexedVolume& volume, const StepValues& values,
                              const TransferFunction& transfer, const Box3& crop) {
-  if (values.stand_in == nullptr)
-    return visibleCells(values.index->ranges, values.index->bricks, transfer, crop);
-  return cellsOfStandIn(volume.pyramid->level(volume.stand_in_level), *values.stand_in,
-                        values.reach.get(), transfer, crop);
+  const IndexedRanges& index = values.stand_in ? *values.stand_in->index : *values.index;
+  if (!values.stand_in || values.stand_in->level == 0)
+    return visibleCells(index.ranges, index.bricks, transfer, crop);
+  return cellsOfStandIn(volume.pyramid->level(values.stand_in->level), index,
+                        values.stand_in->reach.get(), transfer, crop);
 }
 
 Fit fitOf(const std::vector<Camera>& cameras, FitChoice choice) {

@@ -147,7 +147,7 @@ int IndexedVolume::numbers() const {
 
 uint64_t IndexedVolume::rangesBytes() const {
   uint64_t bytes = index->bytes() + (sample ? sample->held_bytes : 0);
-  if (stand_in && stand_in->index != coarser[static_cast<size_t>(stand_in->level) - 1])
+  if (stand_in && std::ranges::find(coarser, stand_in->index) == coarser.end())
     bytes += stand_in->index->bytes();
   if (stand_in && stand_in->reach != nullptr) bytes += stand_in->reach->bytes();
   for (const auto& level : coarser)
@@ -228,7 +228,8 @@ IndexedVolume indexVolume(std::unique_ptr<VolumeSource> source, const VolumeArgu
 }
 
 std::string IndexedVolume::standInNote() const {
-  if (!stand_in) return "";
+  // An index of other blocks tells the same as one of these.
+  if (!stand_in || stand_in->level == 0) return "";
   if (sample)
     return fmt::format(
         "{}: has no index yet; {} were read, evenly spread: the range of values, the look and the "
@@ -242,7 +243,7 @@ std::string IndexedVolume::standInNote() const {
 
 std::vector<std::string> standInNotes(std::span<const IndexedVolume* const> volumes) {
   const bool have_all = std::ranges::all_of(
-      volumes, [](const IndexedVolume* volume) { return volume->stand_in.has_value(); });
+      volumes, [](const IndexedVolume* volume) { return !volume->standInNote().empty(); });
   std::vector<std::string> notes;
   for (const IndexedVolume* volume : volumes) {
     std::string note = volume->standInNote();

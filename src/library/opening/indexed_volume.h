@@ -65,7 +65,7 @@ struct IndexedVolume {
   int numbers() const;
   // Of the min-max arrays and brick ranges of all levels, and of a sample.
   uint64_t rangesBytes() const;
-  // A line for people about the stand-in; empty if there is none.
+  // A line for people about the coarse level that stands in; empty if none does.
   std::string standInNote() const;
   // Least and greatest value that can be told from infinities.
   ValueRange valueRange() const { return values.range; }

@@ -49,9 +49,13 @@ std::shared_ptr<const IndexedRanges> keptIndexOfLevel(const IndexedVolume& volum
   return kept ? std::make_shared<const IndexedRanges>(*std::move(kept)) : nullptr;
 }
 
-// The level that stands for the finest one of a step. Reads the level, unless it is kept or is the
-// volume's own.
+// What stands for the finest level of a step. Reads a coarse level, unless it is kept or is the
+// volume's own, or unless an index of other blocks tells more.
 StandIn standInOf(const IndexedVolume& volume, int64_t time, const IndexPass& pass) {
+  if (auto kept = keptRangesOfAnyBlocks(*volume.source, volume.places, time)) {
+    const ValueRange device_range = kept->ranges.device_range;
+    return {0, std::make_shared<const IndexedRanges>(*std::move(kept)), device_range};
+  }
   const int level = volume.stand_in_level;
   StandIn stand_in{level, nullptr, {}};
   if (time == volume.time) stand_in.index = volume.coarser[static_cast<size_t>(level) - 1];
@@ -62,12 +66,12 @@ StandIn standInOf(const IndexedVolume& volume, int64_t time, const IndexPass& pa
     SpreadReach reach = reachOfSpreads(at, stand_in.device_range, stand_in.index->bricks.cells,
                                        time, pass.pool, pass.stop);
     stand_in.device_range = reach.range;
-    stand_in.reach = std::make_shared<const BrickRanges>(std::move(reach.bricks));
+    stand_in.reach = std::make_shared<const ReachRanges>(std::move(reach.drawn));
   }
   return stand_in;
 }
 
-// The finest level with the values of its stand-in. Only the blocks are known that pictures have
+// The finest level with the values of what stands in. Only the blocks are known that pictures have
 // read.
 IndexedRanges unreadRanges(const IndexedVolume& volume, int64_t time, const StandIn& stand_in) {
   IndexedRanges index;
@@ -80,16 +84,14 @@ IndexedRanges unreadRanges(const IndexedVolume& volume, int64_t time, const Stan
       learnt ? *std::move(learnt) : unknownRanges(*volume.source, time, volume.layout, listing);
   index.ranges.device_range = stand_in.device_range;
   index.ranges.counts = stand_in.index->ranges.counts;
+  if (stand_in.level == 0) index.ranges.far_range = stand_in.index->ranges.far_range;
   return index;
 }
 
 }  // namespace
 
 StepValues valuesOfStep(const IndexedVolume& volume, int64_t time, const IndexPass& pass) {
-  if (time == volume.time && volume.index != nullptr)
-    return volume.stand_in
-               ? StepValues{volume.index, volume.stand_in->index, volume.stand_in->reach}
-               : StepValues{volume.index};
+  if (time == volume.time && volume.index != nullptr) return {volume.index, volume.stand_in};
   StepValues values;
   const auto keep = [](IndexedRanges ranges) {
     return std::make_shared<const IndexedRanges>(std::move(ranges));
@@ -99,10 +101,8 @@ StepValues valuesOfStep(const IndexedVolume& volume, int64_t time, const IndexPa
   } else if (auto kept = keptRanges(*volume.source, volume.places, time, volume.layout)) {
     values.index = keep(*std::move(kept));
   } else {
-    const StandIn stand_in = standInOf(volume, time, pass);
-    values.stand_in = stand_in.index;
-    values.reach = stand_in.reach;
-    values.index = keep(unreadRanges(volume, time, stand_in));
+    values.stand_in = standInOf(volume, time, pass);
+    values.index = keep(unreadRanges(volume, time, *values.stand_in));
   }
   return values;
 }

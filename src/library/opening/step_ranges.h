@@ -4,6 +4,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 
 #include "src/library/opening/indexed_volume.h"
@@ -15,9 +16,7 @@ class SideLevels;
 // The ranges that are known of a step's finest level.
 struct StepValues {
   std::shared_ptr<const IndexedRanges> index;
-  // The index of the level that stands for it, if it was not read. Null: it was.
-  std::shared_ptr<const IndexedRanges> stand_in = {};
-  std::shared_ptr<const BrickRanges> reach = {};  // StandIn::reach
+  std::optional<StandIn> stand_in = {};  // if the finest level was not read
 };
 // The values of any step of the volume, known in the way in which its own step's are. Throws Error,
 // Interrupted.

@@ -10,10 +10,10 @@ namespace {
 constexpr double kMostDenseVoxels = 0x1p44;
 
 // Computed in doubles: a sparse volume may have more cells than 63 bits count.
-bool fits(Vec3i cells, int64_t side) {
+bool fits(Vec3i cells, int64_t side, int64_t most_bricks) {
   double bricks = 1;
   for (int a = 0; a < 3; ++a) bricks *= static_cast<double>(ceilDiv(cells[a], side));
-  return bricks <= static_cast<double>(kMostRangeBricks);
+  return bricks <= static_cast<double>(most_bricks);
 }
 
 }  // namespace
@@ -29,7 +29,7 @@ Box3 brickCells(Vec3i dims, const std::optional<Occupancy>& occupancy) {
   return intersect({voxels.lo - Vec3i{1, 1, 1}, voxels.hi}, all);
 }
 
-BrickRanges brickGrid(const Box3& cells) {
+BrickRanges brickGrid(const Box3& cells, int64_t most_bricks) {
   BrickRanges grid;
   if (cells.empty()) return grid;
   grid.cells = cells;
@@ -38,7 +38,7 @@ BrickRanges brickGrid(const Box3& cells) {
   int64_t too_small = 0, enough = std::max({size.x, size.y, size.z});
   while (enough - too_small > 1) {
     const int64_t side = too_small + (enough - too_small) / 2;
-    (fits(size, side) ? enough : too_small) = side;
+    (fits(size, side, most_bricks) ? enough : too_small) = side;
   }
   grid.side = enough;
   return grid;

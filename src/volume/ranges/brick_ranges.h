@@ -51,7 +51,7 @@ struct BrickRanges {
 // than any file stores, those between the first and the last that may differ from its background.
 Box3 brickCells(Vec3i dims, const std::optional<Occupancy>& occupancy);
 // The grid over these cells, without ranges. Without cells there are no bricks.
-BrickRanges brickGrid(const Box3& cells);
+BrickRanges brickGrid(const Box3& cells, int64_t most_bricks = kMostRangeBricks);
 
 // The same pass over the voxels as the other buildSliceRanges(), and the bricks from it. `taker`,
 // if there is one, gets all voxels that are read; the pieces are then cut as it wants them, so that
@@ -80,30 +80,38 @@ class BrickRangesBuilder {
     const std::vector<bool> has_background = reachesBeyond(grid_, layout, blocks);
     const MutexLock lock(mutex_);
     for (size_t i = 0; i < result_.size(); ++i)
-      if (has_background[i]) take(result_[i].lo, result_[i].hi, static_cast<T>(background));
+      if (has_background[i])
+        widen(result_[i], {lowOf(static_cast<T>(background)), static_cast<T>(background)});
   }
 
   // The voxels of `box`, x fastest and packed. Boxes may overlap.
-  void add(const T* voxels, const Box3& box) SLUICE_EXCLUDES(mutex_) {
+  void add(const T* voxels, const Box3& box) SLUICE_EXCLUDES(mutex_) { add(voxels, voxels, box); }
+
+  // The same for voxels that each have a range of values.
+  void add(const T* least, const T* greatest, const Box3& box) SLUICE_EXCLUDES(mutex_) {
     // The cells that have one of the voxels at a corner.
     const Box3 cells = intersect({box.lo - Vec3i{1, 1, 1}, box.hi}, grid_.cells);
     if (cells.empty()) return;
     const Vec3i first = (cells.lo - grid_.cells.lo) / grid_.side;
     const Vec3i last = (cells.hi - Vec3i{1, 1, 1} - grid_.cells.lo) / grid_.side;
-    const Vec3i count = last - first + Vec3i{1, 1, 1};
-    std::vector<PlaneRange<T>> found;
-    found.reserve(static_cast<size_t>(volume(count)));
+    const auto in_row = static_cast<size_t>(last.x - first.x + 1);
+    // A layer at a time is short enough to be kept in memory that is there.
+    std::vector<PlaneRange<T>> layer(in_row * static_cast<size_t>(last.y - first.y + 1));
     std::vector<T> lo(static_cast<size_t>(box.size().x)), hi(lo.size());
-    for (int64_t z = first.z; z <= last.z; ++z)
+    for (int64_t z = first.z; z <= last.z; ++z) {
+      PlaneRange<T>* found = layer.data();
       for (int64_t y = first.y; y <= last.y; ++y) {
         const Box3 row = unite(grid_.cellsOf({first.x, y, z}), grid_.cellsOf({last.x, y, z}));
-        takeColumns(voxels, box, row, lo, hi);
+        takeColumns(least, greatest, box, row, lo, hi);
         for (int64_t x = first.x; x <= last.x; ++x) {
-          const Box3 brick = intersect(voxelsOf(grid_.cellsOf({x, y, z})), box);
-          found.push_back(reduce(lo, hi, brick.lo.x - box.lo.x, brick.hi.x - box.lo.x));
+          const int64_t from = grid_.cells.lo.x + x * grid_.side;
+          const int64_t to = std::min(from + grid_.side, grid_.cells.hi.x) + 1;  // a voxel more
+          *found++ = reduce(lo, hi, std::max(from, box.lo.x) - box.lo.x,
+                            std::min(to, box.hi.x) - box.lo.x);
         }
       }
-    merge(found, first, count);
+      merge(layer.data(), in_row, {first.x, first.y, z}, last.y);
+    }
   }
 
   // To be called after the last add().
@@ -115,20 +123,19 @@ class BrickRangesBuilder {
   }
 
  private:
-  static void take(T& lo, T& hi, T v) {
-    // kNotANumber is below all values, so that it raises no maximum that a value has set.
-    T low = v;
-    if constexpr (std::is_same_v<T, float>) low = v == kNotANumber ? kNoVoxels<T>.lo : v;
-    lo = low < lo ? low : lo;
-    hi = v > hi ? v : hi;
+  // kNotANumber is below all values, so that it raises no maximum that a value has set.
+  static T lowOf(T v) {
+    if constexpr (std::is_same_v<T, float>)
+      if (v == kNotANumber) return kNoVoxels<T>.lo;
+    return v;
   }
 
   static Box3 voxelsOf(const Box3& cells) { return {cells.lo, cells.hi + Vec3i{1, 1, 1}}; }
 
   // The columns of a box's voxels around a row of bricks, element by element as vector units like
   // it.
-  static void takeColumns(const T* voxels, const Box3& box, const Box3& cells, std::vector<T>& lo,
-                          std::vector<T>& hi) {
+  static void takeColumns(const T* least, const T* greatest, const Box3& box, const Box3& cells,
+                          std::vector<T>& lo, std::vector<T>& hi) {
     const Vec3i size = box.size();
     std::fill(lo.begin(), lo.end(), kNoVoxels<T>.lo);
     std::fill(hi.begin(), hi.end(), kNoVoxels<T>.hi);
@@ -137,8 +144,13 @@ class BrickRangesBuilder {
     const Box3 around = intersect(voxelsOf(cells), box);
     for (int64_t z = around.lo.z; z < around.hi.z; ++z)
       for (int64_t y = around.lo.y; y < around.hi.y; ++y) {
-        const T* __restrict row = voxels + ((z - box.lo.z) * size.y + (y - box.lo.y)) * size.x;
-        for (int64_t x = 0; x < size.x; ++x) take(low[x], high[x], row[x]);
+        const int64_t at = ((z - box.lo.z) * size.y + (y - box.lo.y)) * size.x;
+        const T* row_least = least + at;
+        const T* row_greatest = greatest + at;
+        for (int64_t x = 0; x < size.x; ++x) {
+          low[x] = std::min(low[x], lowOf(row_least[x]));
+          high[x] = std::max(high[x], row_greatest[x]);
+        }
       }
   }
 
@@ -151,15 +163,15 @@ class BrickRangesBuilder {
     return range;
   }
 
-  void merge(const std::vector<PlaneRange<T>>& found, Vec3i first, Vec3i count)
+  // Rows of bricks from `first` on, the last of which is `last_y`.
+  void merge(const PlaneRange<T>* found, size_t in_row, Vec3i first, int64_t last_y)
       SLUICE_EXCLUDES(mutex_) {
     const Vec3i grid = grid_.grid();
     const MutexLock lock(mutex_);
-    size_t at = 0;
-    for (int64_t z = first.z; z < first.z + count.z; ++z)
-      for (int64_t y = first.y; y < first.y + count.y; ++y)
-        for (int64_t x = first.x; x < first.x + count.x; ++x)
-          widen(result_[static_cast<size_t>((z * grid.y + y) * grid.x + x)], found[at++]);
+    for (int64_t y = first.y; y <= last_y; ++y) {
+      PlaneRange<T>* to = &result_[static_cast<size_t>((first.z * grid.y + y) * grid.x + first.x)];
+      for (size_t i = 0; i < in_row; ++i) widen(to[i], *found++);
+    }
   }
 
   BrickRanges grid_;  // constant but for finish()

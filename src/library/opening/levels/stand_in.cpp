@@ -22,6 +22,10 @@ namespace {
 constexpr size_t kBins = 256;
 using SpreadBins = std::array<double, kBins>;
 
+// A brick a cell for a level of kLeastStandInVoxels. A fit by larger bricks of coarse cells would
+// be looser by some per cent than that of the finest level.
+constexpr int64_t kMostReachBricks = kLeastStandInVoxels;
+
 // Cubes of so many voxels a side are read at a time: about the chunks that most programs write.
 constexpr int64_t kReadSide = 64;
 
@@ -46,10 +50,43 @@ double drawnReach(double spread, double below) {
   return below < even ? std::max(even, 3 * leastReach(spread, below)) : even;
 }
 
-// Adds the values that these voxels are drawn with to the bricks around them.
+// The ranges of the planes of a box along each axis, or of a volume.
 template <class T>
-void addReach(BrickRangesBuilder<T>& bricks, const std::vector<T>& mean,
-              const std::vector<T>& spread, ValueRange means, const Box3& box) {
+using PlanesOf = std::array<std::vector<PlaneRange<T>>, 3>;
+
+template <class T>
+PlanesOf<T> noPlanes(Vec3i size) {
+  PlanesOf<T> planes;
+  for (int a = 0; a < 3; ++a)
+    planes[static_cast<size_t>(a)].resize(static_cast<size_t>(size[a]), kNoVoxels<T>);
+  return planes;
+}
+
+// Widens the planes of a box by the voxels' ranges, x fastest. kNotANumber is no value.
+template <class T>
+void widenPlanes(PlanesOf<T>& planes, const std::vector<T>& least, const std::vector<T>& greatest,
+                 Vec3i size) {
+  size_t at = 0;
+  for (size_t z = 0; z < static_cast<size_t>(size.z); ++z)
+    for (size_t y = 0; y < static_cast<size_t>(size.y); ++y) {
+      PlaneRange<T> row = kNoVoxels<T>;
+      for (size_t x = 0; x < static_cast<size_t>(size.x); ++x, ++at) {
+        if constexpr (std::is_same_v<T, float>)
+          if (least[at] == kNotANumber) continue;
+        const PlaneRange<T> own{least[at], greatest[at]};
+        widen(planes[0][x], own);
+        widen(row, own);
+      }
+      widen(planes[1][y], row);
+      widen(planes[2][z], row);
+    }
+}
+
+// Adds the values that these voxels are drawn with to the bricks around them. Returns those of the
+// box's planes.
+template <class T>
+PlanesOf<T> addReach(BrickRangesBuilder<T>& bricks, const std::vector<T>& mean,
+                     const std::vector<T>& spread, ValueRange means, const Box3& box) {
   std::vector<T> least(mean.size()), greatest(mean.size());
   const auto within = [](double value) {
     if constexpr (std::is_integral_v<T>)
@@ -63,13 +100,21 @@ void addReach(BrickRangesBuilder<T>& bricks, const std::vector<T>& mean,
     greatest[i] =
         is_value ? within(std::ceil(middle + drawnReach(wide, middle - means.lo))) : mean[i];
   }
-  bricks.add(least.data(), box);
-  bricks.add(greatest.data(), box);
+  bricks.add(least.data(), greatest.data(), box);
+  PlanesOf<T> planes = noPlanes<T>(box.size());
+  widenPlanes(planes, least, greatest, box.size());
+  return planes;
 }
 
 template <class T>
-SpreadBins spreadsIn(const CoarserLevel& level, ValueRange means, int64_t time, const Box3& box,
-                     BrickRangesBuilder<T>& bricks) {
+struct SpreadsOfBox {
+  SpreadBins most;
+  PlanesOf<T> planes;
+};
+
+template <class T>
+SpreadsOfBox<T> spreadsIn(const CoarserLevel& level, ValueRange means, int64_t time,
+                          const Box3& box, BrickRangesBuilder<T>& bricks) {
   const std::vector<T> mean = deviceVoxels<T>(*level.source, time, box);
   const std::vector<T> spread = deviceVoxels<T>(*level.spreads, time, box);
   const double bins_per_device = (kBins - 1) / std::max(means.hi - means.lo, 1e-300);
@@ -80,8 +125,7 @@ SpreadBins spreadsIn(const CoarserLevel& level, ValueRange means, int64_t time, 
     double& spread_of_bin = most[static_cast<size_t>(bin)];
     spread_of_bin = std::max(spread_of_bin, static_cast<double>(spread[i]));
   }
-  addReach(bricks, mean, spread, means, box);
-  return most;
+  return {most, addReach(bricks, mean, spread, means, box)};
 }
 
 // The range of values that voxels of this device type can have.
@@ -107,16 +151,17 @@ int standInLevel(const PyramidLayout& pyramid) {
 
 namespace {
 
-// The greatest spreads, and the bricks' values with them.
+// The greatest spreads, and the values of bricks and planes with them.
 template <class T>
 SpreadBins readSpreads(const CoarserLevel& level, ValueRange means, int64_t time, WorkerPool& pool,
-                       const StopToken& stop, BrickRanges& bricks) {
+                       const StopToken& stop, ReachRanges& reach) {
   const VolumeLayout& layout = level.source->layout();
   const auto countAlong = [&](int axis) { return (layout.dims[axis] + kReadSide - 1) / kReadSide; };
   const Vec3i reads{countAlong(0), countAlong(1), countAlong(2)};
-  BrickRangesBuilder<T> builder(bricks);
+  BrickRangesBuilder<T> builder(reach.bricks);
   SpreadBins most{};
-  Mutex mutex;  // guards `most`
+  PlanesOf<T> planes = noPlanes<T>(layout.dims);
+  Mutex mutex;  // guards `most` and `planes`
   // Threads that wait for a server cost nothing.
   std::optional<WorkerPool> waiting;
   if (const int distant = level.spreads->distantReads(); distant > pool.threads())
@@ -125,20 +170,28 @@ SpreadBins readSpreads(const CoarserLevel& level, ValueRange means, int64_t time
     stop.throwIfStopped();
     const Vec3i lo = Vec3i{i % reads.x, i / reads.x % reads.y, i / (reads.x * reads.y)} * kReadSide;
     const Box3 box{lo, min(lo + Vec3i{kReadSide, kReadSide, kReadSide}, layout.dims)};
-    const SpreadBins found = spreadsIn<T>(level, means, time, box, builder);
+    const SpreadsOfBox<T> found = spreadsIn<T>(level, means, time, box, builder);
     const MutexLock lock(mutex);
-    for (size_t bin = 0; bin < kBins; ++bin) most[bin] = std::max(most[bin], found[bin]);
+    for (size_t bin = 0; bin < kBins; ++bin) most[bin] = std::max(most[bin], found.most[bin]);
+    for (int a = 0; a < 3; ++a)
+      for (int64_t p = box.lo[a]; p < box.hi[a]; ++p)
+        widen(planes[static_cast<size_t>(a)][static_cast<size_t>(p)],
+              found.planes[static_cast<size_t>(a)][static_cast<size_t>(p - box.lo[a])]);
   });
-  bricks = builder.finish();
+  reach.bricks = builder.finish();
+  for (size_t a = 0; a < 3; ++a) {
+    const auto bytes = std::as_bytes(std::span(planes[a]));
+    reach.planes.along[a].assign(bytes.begin(), bytes.end());
+  }
   return most;
 }
 
-// Cuts the values of bricks to a range, which none leaves in pictures.
+// Cuts the values of bricks or planes to a range, which none leaves in pictures.
 template <class T>
-void cutTo(ValueRange range, BrickRanges& bricks) {
+void cutTo(ValueRange range, std::vector<std::byte>& ranges) {
   const auto lo = static_cast<T>(range.lo), hi = static_cast<T>(range.hi);
-  auto* const each = reinterpret_cast<PlaneRange<T>*>(bricks.ranges.data());
-  for (size_t i = 0; i < bricks.rangesAs<T>().size(); ++i)
+  auto* const each = reinterpret_cast<PlaneRange<T>*>(ranges.data());
+  for (size_t i = 0; i < ranges.size() / sizeof(PlaneRange<T>); ++i)
     if (each[i].lo <= each[i].hi)
       each[i] = {std::clamp(each[i].lo, lo, hi), std::clamp(each[i].hi, lo, hi)};
 }
@@ -173,13 +226,16 @@ ValueRange widened(ValueRange means, const SpreadBins& most) {
 SpreadReach reachOfSpreads(const CoarserLevel& level, ValueRange means, const Box3& cells,
                            int64_t time, WorkerPool& pool, const StopToken& stop) {
   const DeviceType type = deviceMap(level.source->layout()).type;
-  SpreadReach reach{{}, brickGrid(cells)};
+  SpreadReach reach{{}, {brickGrid(cells, kMostReachBricks), {}}};
   const SpreadBins most = visitDeviceType(type, [&](auto tag) {
-    return readSpreads<decltype(tag)>(level, means, time, pool, stop, reach.bricks);
+    return readSpreads<decltype(tag)>(level, means, time, pool, stop, reach.drawn);
   });
   const ValueRange range = widened(means, most), all = valuesOf(type);
   reach.range = {std::max(range.lo, all.lo), std::min(range.hi, all.hi)};
-  visitDeviceType(type, [&](auto tag) { cutTo<decltype(tag)>(reach.range, reach.bricks); });
+  visitDeviceType(type, [&](auto tag) {
+    cutTo<decltype(tag)>(reach.range, reach.drawn.bricks.ranges);
+    for (auto& planes : reach.drawn.planes.along) cutTo<decltype(tag)>(reach.range, planes);
+  });
   return reach;
 }
 

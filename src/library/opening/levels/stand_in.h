@@ -1,11 +1,12 @@
-// StandIn: a coarse level whose values stand for those of the finest one, so that a picture of
-// coarse levels does not wait for a pass over the finest.
+// StandIn: what is known of the values of a finest level that has no min-max arrays, so that a
+// picture of coarse levels does not wait for a pass over it.
 //
-// A pyramid that another program made, or a store without its index, has no min-max arrays. Range,
-// counts and the place of what is visible then come from the coarsest level that is large enough,
-// which is read instead. They are close to those of the finest level, not equal: means have a
-// narrower range. Nothing is known of the finest level's blocks, so that anything may show in them
-// (SliceRanges::unknown).
+// Range, counts and the place of what is visible are the same for blocks of any size. They come
+// from an index of other blocks if one is kept. A pyramid that another program made, or a store
+// without its index, has none. Then they come from the coarsest level that is large enough, which
+// is read instead: they are close to those of the finest level, not equal, since means have a
+// narrower range. Nothing is known of the finest level's blocks either way, so that anything may
+// show in them (SliceRanges::unknown).
 #pragma once
 
 #include <cstdint>
@@ -13,18 +14,27 @@
 #include <span>
 
 #include "src/base/sources/volume_levels.h"
+#include "src/classify/blocks/visible_cells.h"
 #include "src/index/indexed_ranges.h"
 #include "src/render/blocks/time_step.h"
 #include "src/render/camera/frame_options.h"
 
 namespace sluice {
 
+// The values that a level's voxels are drawn with, see ExpectedLook.
+struct ReachRanges {
+  BrickRanges bricks;
+  PlaneRanges planes;
+
+  uint64_t bytes() const { return bricks.bytes() + planes.bytes(); }
+};
+
 struct StandIn {
-  int level = 0;                               // counted from the finest, 0
+  int level = 0;                               // counted from the finest, 0: by other blocks
   std::shared_ptr<const IndexedRanges> index;  // of the level's voxels, without their spreads
   ValueRange device_range;                     // of the finest level, estimated
-  // The values of the bricks of `index` with their spreads; null: the level has none.
-  std::shared_ptr<const BrickRanges> reach = {};
+  // The values with their spreads; null: the level has none.
+  std::shared_ptr<const ReachRanges> reach = {};
 };
 
 // A level with fewer voxels is no stand-in, if there is a larger one.
@@ -39,9 +49,7 @@ struct SpreadReach {
   // mean can have its spread if the other end of the range is right. The finest values may reach
   // farther.
   ValueRange range;
-  // The values that voxels are drawn with in each brick, see ExpectedLook: within `range`, perhaps
-  // more than those.
-  BrickRanges bricks;
+  ReachRanges drawn;  // within `range`, perhaps more than what is drawn
 };
 // Reads both sources once. `means` is the range of the means, `cells` those that bricks cover.
 SpreadReach reachOfSpreads(const CoarserLevel& level, ValueRange means, const Box3& cells,
