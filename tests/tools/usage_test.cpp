@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "io/pictures/png_file.h"
 #include "tests/tools/program.h"
 
 namespace sluice {
@@ -46,7 +47,7 @@ TEST(Usage, commandsSayWhichOptionsTheyIgnore) {
 TEST(Usage, wrongUsageIsOneLineAndStatusTwo) {
   const Program program;
   for (const char* line :
-       {"paint", "render", "render synth:cube", "render synth:cube -o a.png --size 0x4",
+       {"paint", "render", "render synth:cube -o a.png --size 0x4",
         "render synth:cube -o a.png --threshold 1 --transfer b.json",
         "render synth:cube -o a.png --mode x", "render synth:cube -o a.png --page 3x4x5",
         "render synth:cube -o a.png --pages 100", "render synth:cube -o a.png --eye 1,2,3",
@@ -86,8 +87,33 @@ TEST(Usage, aForgottenOutputIsTheLastWordUnlessItBelongsToAnOption) {
   };
   EXPECT_THAT(said("a.png"), HasSubstr("--output is required; to write a.png, give -o a.png"));
   EXPECT_THAT(said("-q a.png"), HasSubstr("to write a.png"));
-  for (const char* words : {"-j 1", "--threads 1", "--labels-table a.txt"})
-    EXPECT_THAT(said(words), AllOf(HasSubstr("--output is required"), Not(HasSubstr("to write"))));
+  const CommandResult result = program.run("surface synth:cube --iso 9 -j 1");
+  EXPECT_THAT(result.output, AllOf(HasSubstr("--output is required"), Not(HasSubstr("to write"))));
+}
+
+// One command shows a file: its picture is named after it and says how large things are.
+TEST(Usage, aPictureWithoutANameIsNamedAfterItsVolumeAndAnnotated) {
+  const Program program;
+  ASSERT_EQ(program.run("synth shells --dims 24,24,24 -o step_0.nrrd").status, 0);
+  const auto picture = [&](const std::string& name) { return readPng(program.folder / name).rgba; };
+  for (const auto& [words, written] : std::vector<std::pair<std::string, std::string>>{
+           {"synth:shells,dims=24x24x24", "shells.png"},
+           {"'step_%d.nrrd'", "step.png"},
+           {"synth:cube,dims=24x24x24 --frames 2", "cube_001.png"}}) {
+    ASSERT_EQ(program.run("render -s 160 " + words).status, 0) << words;
+    ASSERT_EQ(program.run("render -s 160 --force -o x.png --annotate " + words).status, 0);
+    EXPECT_EQ(picture(written), picture(written == "cube_001.png" ? "x_001.png" : "x.png"))
+        << words;
+  }
+  // No room for letters.
+  EXPECT_EQ(program.run("render synth:cube -s 64").status, 0);
+  // Neither a file of others nor a slice is written over.
+  writeFile(program.folder / "shells.png", "mine");
+  EXPECT_EQ(program.run("render synth:shells,dims=24x24x24 -s 160").status, 1);
+  EXPECT_EQ(readFile(program.folder / "shells.png"), "mine");
+  ASSERT_EQ(program.run("render synth:shells -o slice.png -s 64").status, 0);
+  ASSERT_EQ(program.run("render slice.png -s 64").status, 0);
+  EXPECT_TRUE(std::filesystem::exists(program.folder / "slice_drawn.png"));
 }
 
 TEST(Usage, badInputIsOneLineAndStatusOne) {

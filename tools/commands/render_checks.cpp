@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "io/pictures/finished_picture.h"
+#include "io/web/address.h"
 #include "src/annotate/annotate.h"
 #include "src/base/error.h"
 #include "src/base/values/bytes.h"
@@ -105,6 +106,20 @@ Outputs renderOutputs(const Arguments& arguments, const Scene* scene) {
     for (const std::string& file : scene->tracePaths(arguments.trace_file))
       outputs.writesTrace("--trace", file);
   return outputs;
+}
+
+void nameOutput(Arguments& arguments) {
+  if (!arguments.output.empty()) return;
+  const std::vector<std::string>& inputs = arguments.volume.inputs;
+  const std::string& last = inputs.back();
+  std::error_code none;
+  const bool is_picture = pictureKind(last).has_value() || isFilmName(last);
+  if (inputs.size() > 1 && is_picture && !std::filesystem::exists(last, none))
+    failUsage("--output is required; to write {}, give -o {}", last, last);
+  arguments.output = pictureNameFor(withoutSecrets(inputs.front()));
+  const PictureSize& size = arguments.frame.size;
+  arguments.annotate =
+      arguments.annotate || std::min(size.width, size.height) >= kLeastAnnotatedPixels;
 }
 
 void checkOutput(const Arguments& arguments) {

@@ -38,6 +38,9 @@ bool numbersPictures(const RenderArguments& arguments);
 Outputs renderOutputs(const RenderArguments& arguments, const Scene* scene = nullptr);
 PictureOutput pictureOutput(const RenderArguments& arguments);
 
+// Names the picture after its volume if the user has named none, and annotates it then: nobody
+// asked for the bare picture. Throws a usage error if a picture seems to be named without -o.
+void nameOutput(RenderArguments& arguments);
 // Throws Error, or a usage error, for options that do not go together.
 void checkOutput(const RenderArguments& arguments);
 // Reads the file of --path. Throws Error, which names it, if fields of its keys or options that the

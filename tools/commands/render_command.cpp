@@ -166,16 +166,16 @@ int run(Arguments& arguments, CLI::App& app, Team* team) {
   const auto began = std::chrono::steady_clock::now();
   const std::set<std::string> given = givenOptions(app);
   std::optional<SavedView> saved;
-  if (!arguments.state_file.empty()) {
+  if (!arguments.state_file.empty())
     saved = applyState(app, arguments.state_file,
                        viewState(*arguments.asked, arguments.volume, arguments.look));
-    if (saved->film && asksForFilm(arguments)) {
-      if (team != nullptr)
-        fail("{}: a single process must draw the frames of a path", arguments.state_file);
-      return writeFilm(arguments, app, *saved, given);
-    }
-  }
   if (arguments.volume.inputs.empty()) throw CLI::RequiredError("volume");
+  nameOutput(arguments);
+  if (saved && saved->film && asksForFilm(arguments)) {
+    if (team != nullptr)
+      fail("{}: a single process must draw the frames of a path", arguments.state_file);
+    return writeFilm(arguments, app, *saved, given);
+  }
   if (team != nullptr) expectSameCommand(*team, app);
   checkOutput(arguments);
   readPath(arguments, given);
@@ -247,11 +247,10 @@ Command addRender(CLI::App& program) {
   addVolumeOptions(*app, arguments->volume, &arguments->times, false);
   addOverOption(*app, arguments->volume);
   const OptionGroup output(*app, kOutputHeading);
-  output
-      .text("-o,--output", "FILE", arguments->output,
-            "Picture: .png, or .exr with depth; #### or %04d becomes the number of the frame or "
-            "time step. Film: .mp4, encoded by ffmpeg")
-      ->required();
+  output.text("-o,--output", "FILE", arguments->output,
+              "Picture: .png, or .exr with depth; #### or %04d becomes the number of the frame or "
+              "time step. Film: .mp4, encoded by ffmpeg. Without it: NAME.png in the current "
+              "folder, after the volume, with --annotate");
   const OptionGroup film(*app, "Film");
   addFramesOption(film, arguments->frames,
                   "Pictures of a full turn, or along the path of --path or --state");

@@ -5,9 +5,13 @@
 #include <algorithm>
 #include <array>
 #include <numeric>
+#include <string>
+#include <string_view>
 #include <utility>
 
 #include "src/annotate/annotate.h"
+#include "src/base/files/numbered_name.h"
+#include "src/base/sources/synth_name.h"
 #include "src/base/values/text_parts.h"
 #include "src/render/camera/frame_setup.h"
 #include "src/render/camera/index_space.h"
@@ -113,6 +117,31 @@ std::optional<Aovs> parseAovs(std::string_view list) {
     (word == "depth" ? aovs.depth : aovs.opacity) = true;
   }
   return aovs;
+}
+
+std::string pictureNameFor(const std::string& volume) {
+  namespace fs = std::filesystem;
+  std::string_view text = withoutSlashes(volume);
+  if (isSynthSpec(text)) {
+    text.remove_prefix(kSynthPrefix.size());
+    text = text.substr(0, text.find(','));
+  }
+  const fs::path name = fs::path(text).filename();
+  fs::path stem = name.stem();
+  // "scan.nii.gz", "cells.ome.tif".
+  for (const char* inner : {".nii", ".ome", ".raw", ".tar"})
+    if (stem.extension() == inner) stem = stem.stem();
+  std::string result = stem.native();
+  // "step_%03d": a series, whose pictures may get numbers of their own.
+  if (const auto series = parseNumberedName(result)) {
+    result = series->before + series->after;
+    while (result.ends_with('_') || result.ends_with('-')) result.pop_back();
+  }
+  // These would be the place of a number.
+  for (char& c : result)
+    if (c == '#' || c == '%') c = '_';
+  if (result.empty() || result == "." || result == "..") result = "picture";
+  return result + (name.extension() == ".png" ? "_drawn.png" : ".png");
 }
 
 Picture shownPicture(const Picture& picture, const PictureOutput& output,

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <string>
 #include <string_view>
 
 #include "src/library/drawing/files/strip_file.h"
@@ -20,6 +21,10 @@ struct Aovs {
 };
 // "depth,opacity", "none".
 std::optional<Aovs> parseAovs(std::string_view list);
+
+// The picture's name if the user gives none: that of the volume without its extensions, as PNG, in
+// the current folder. `volume`: a file, a folder, an address or a synthetic volume.
+std::string pictureNameFor(const std::string& volume);
 
 struct PictureOutput {
   std::optional<std::array<float, 3>> background;
