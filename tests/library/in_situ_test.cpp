@@ -216,6 +216,39 @@ TEST(InSitu, eachWayOfThePipelineGivesThatPicture) {
   }
 }
 
+// A plane with a spot between planes that show nothing.
+TEST(InSitu, aCropOfOnePlaneIsFramedAsAWhole) {
+  Field field({40, 36, 32});
+  for (const int axis : {0, 1, 2})
+    for (const int64_t plane : {int64_t{17}, field.size()[axis] - 1}) {
+      SCOPED_TRACE(testing::Message() << "axis " << axis << ", plane " << plane);
+      Vec3i at;
+      for (at.z = 0; at.z < 32; ++at.z)
+        for (at.y = 0; at.y < 36; ++at.y)
+          for (at.x = 0; at.x < 40; ++at.x) {
+            Vec3i away = at - Vec3i{15, 15, 15};
+            away[axis] = 0;
+            const bool is_spot = dot(toDouble(away), toDouble(away)) < 20;
+            field.voxels[static_cast<size_t>((at.z * 36 + at.y) * 40 + at.x)] =
+                at[axis] == plane && is_spot ? 3000 : 0;
+          }
+      const Volume whole = Volume::borrow(field.voxels.data(), field.layout());
+      const LookOptions look{.threshold = 1000, .opacity = 1, .light = LookOptions::Light::kOff};
+      PictureOptions picture = pictureFrom(30, false);
+      picture.view.fit = ViewOptions::Fit::kVisible;
+      picture.crop = PictureOptions::Box{{0, 0, 0}, field.dims};
+      picture.crop->lo[static_cast<size_t>(axis)] = plane;
+      picture.crop->hi[static_cast<size_t>(axis)] = plane + 1;
+      const Image alone = Renderer(whole, look, onCpu()).draw(picture);
+      for (const int ranks : {1, 4}) {
+        const Drawn drawn = drawInSitu(field, bisected(field.size(), ranks, 5), look, {picture});
+        EXPECT_THAT(drawn.failures, Each(""));
+        ASSERT_EQ(drawn.images.size(), 1U);
+        EXPECT_LE(largestDifference(drawn.images[0], alone), 1.0 / 255) << ranks;
+      }
+    }
+}
+
 TEST(InSitu, wholeBlocksAreRefused) {
   const Field field({40, 40, 40});
   const std::vector<Box3> boxes = {{{0, 0, 0}, {20, 40, 40}}, {{20, 0, 0}, {40, 40, 40}}};

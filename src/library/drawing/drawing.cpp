@@ -100,7 +100,7 @@ Drawing::Points Drawing::shownPoints(const FrameOptions& options, const TimeStep
     const Box3 cells =
         intersect(cropCells(options, dims), cropCells(opened_->in_situ->ownVoxels(), dims));
     FrameOptions own = options;
-    own.crop = Box3{cells.lo, cells.hi + Vec3i{1, 1, 1}};
+    own.crop = cropTo(cells, options.crop, dims);
     // Every rank takes part in the exchange, even if the crop leaves it nothing: the others wait
     // for it.
     return pointsOfRanks(cells.empty() ? std::vector<Vec3d>()

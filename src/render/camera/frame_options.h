@@ -162,4 +162,16 @@ inline Box3 cropCells(const FrameOptions& options, Vec3i dims) {
   return cropCells(options.crop, dims);
 }
 
+// The part of a crop that has these of its cells. A plane that is the only one stays the only one.
+inline Box3 cropTo(const Box3& cells, const std::optional<Box3>& crop, Vec3i dims) {
+  Box3 part{cells.lo, cells.hi + Vec3i{1, 1, 1}};
+  const VoxelPlanes planes = planesOf(crop, dims);
+  for (int a = 0; a < 3; ++a)
+    if (const auto plane = planes[static_cast<size_t>(a)]) {
+      part.lo[a] = *plane;
+      part.hi[a] = *plane + 1;
+    }
+  return part;
+}
+
 }  // namespace sluice
