@@ -75,8 +75,9 @@ TextureBuffer::EntryPtr TextureBuffer::publish(const TexturePlan& plan, const Ch
   EntryPtr entry = chunks_.publish(name, texels->byte_count);
   entry->note = {texels, chunk.blocks.size()};
   for (size_t i = 0; i < rooms.size(); ++i)
-    fillings.push_back({plan.blocks[chunk.blocks[i]], rooms[i], entry,
-                        plan.planesOf(plan.blocks[chunk.blocks[i]])});
+    fillings.push_back(
+        {plan.blocks[chunk.blocks[i]], rooms[i], entry,
+         planesOn(plan.pyramid.of(plan.blocks[chunk.blocks[i]].name).placement, plan.planes)});
   return entry;
 }
 

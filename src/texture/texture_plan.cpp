@@ -259,9 +259,8 @@ int64_t clusterCapacity(const PyramidLayout& pyramid, const VisibleBlocks& visib
   return capacity_blocks;
 }
 
-VoxelPlanes TexturePlan::planesOf(const TextureBlock& block) const {
-  const LevelPlacement& level = pyramid.of(block.name).placement;
-  VoxelPlanes of_level = planes;
+VoxelPlanes planesOn(const LevelPlacement& level, const VoxelPlanes& finest) {
+  VoxelPlanes of_level = finest;
   for (int a = 0; a < 3; ++a)
     if (auto& plane = of_level[static_cast<size_t>(a)])
       plane = std::llround((static_cast<double>(*plane) - level.offset[a]) / level.scale[a]);

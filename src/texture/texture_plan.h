@@ -91,6 +91,8 @@ struct VisitGrid {
 // The number of the one voxel plane along each axis whose values all planes have; unset: each plane
 // has its own.
 using VoxelPlanes = std::array<std::optional<int64_t>, 3>;
+// Planes of the finest level among those of another level: the nearest ones.
+VoxelPlanes planesOn(const LevelPlacement& level, const VoxelPlanes& finest);
 
 struct TexturePlan {
   PyramidLayout pyramid;
@@ -107,8 +109,6 @@ struct TexturePlan {
   const BlockLayout& layout() const { return pyramid.finest(); }
   // How many blocks of seams follow a block, whose they are.
   int64_t seamsOf(BlockPosition block) const;
-  // `planes` among the voxels of a block's level: the nearest ones.
-  VoxelPlanes planesOf(const TextureBlock& block) const;
   // Numbers a texel of a chunk, all of whose blocks are of one level.
   int numbersOf(const Chunk& chunk) const {
     return pyramid.of(blocks[chunk.blocks.front()].name).numbers;

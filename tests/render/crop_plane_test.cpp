@@ -83,7 +83,14 @@ TEST_F(CropPlaneTest, allModesShowThePlaneAlone) {
 }
 
 TEST_F(CropPlaneTest, lightSeesNoNeighbours) {
-  expectPlanes(obliqueView(Projection::kOrtho, {64, 60}), transfer_, {.lit = true});
+  FrameOptions options = obliqueView(Projection::kOrtho, {64, 60});
+  expectPlanes(options, transfer_, {.lit = true});
+  const TransferFunction opaque = thresholdTransfer(150, {0, 255}, 1, "viridis");
+  options.lighting.shadows = 1;
+  expectPlanes(options, opaque, {.lit = true});
+  options.lighting.shadows = 0;
+  options.lighting.occlusion = 1;
+  expectPlanes(options, opaque, {.lit = true});
 }
 
 TEST_F(CropPlaneTest, integratedSamples) {
@@ -108,7 +115,10 @@ TEST_F(CropPlaneTest, planesAreToldApartInOneSession) {
 TEST_F(CropPlaneTest, surfacesAndLabels) {
   TransferFunction surfaces = transfer_;
   surfaces.surfaces = {{100, 0.6, {1, 0, 0}}, {150, 1, {1, 1, 0}}};
-  expectPlanes(obliqueView(Projection::kOrtho, {64, 60}), surfaces, {.lit = true});
+  FrameOptions options = obliqueView(Projection::kOrtho, {64, 60});
+  expectPlanes(options, surfaces, {.lit = true});
+  options.lighting.shadows = 1;
+  expectPlanes(options, surfaces, {.lit = true});
   TransferFunction labels = transfer_;
   labels.labels = true;
   expectPlanes(obliqueView(Projection::kOrtho, {64, 60}), labels);

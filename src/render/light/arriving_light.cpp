@@ -78,13 +78,14 @@ LightVolumePtr ArrivingLight::of(const TimeStep& step, const LookPtr& look, Matt
   if (!lighting.looksAround()) return nullptr;
   const VolumeLayout& layout = step.source->layout();
   // The matter is kept for all views and lights, since it takes a pass over the voxels.
+  const VoxelPlanes planes = planesOf(options.crop, layout.dims);
   const CoarseExtinctionPtr whole = matter_[from == MatterFrom::kFinest ? 0 : 1].of(
-      {step.source, step.time, look},
-      [&] { return coarseExtinction(step, *look, from, pool, options.stop); });
-  const std::vector<ClipPlane> planes = planesAround(layout, options);
+      {step.source, step.time, look, planes},
+      [&] { return coarseExtinction(step, *look, from, pool, options.stop, planes); });
+  const std::vector<ClipPlane> sides = planesAround(layout, options);
   // Crop and clip planes take away matter, so that what they hide casts no shadow.
   const CoarseExtinctionPtr matter =
-      planes.empty() ? whole : shown_.of({whole, planes}, [&] { return within(*whole, planes); });
+      sides.empty() ? whole : shown_.of({whole, sides}, [&] { return within(*whole, sides); });
   const Vec3d key = lighting.lights[0].toward;
   const Sweep to_key = sweepFrom(layout, matter->grid,
                                  view.right * key.x + view.up * key.y - view.forward * key.z, 0);

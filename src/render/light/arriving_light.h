@@ -35,6 +35,7 @@ class ArrivingLight {
     VolumeSource* source;
     int64_t time;
     Identity<Look> look;
+    VoxelPlanes planes;
     friend bool operator==(const MatterKey&, const MatterKey&) = default;
   };
   struct ShownKey {

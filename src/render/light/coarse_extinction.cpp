@@ -76,7 +76,8 @@ struct Sum {
 
 class Maker {
  public:
-  Maker(const TimeStep& step, const Look& look, MatterFrom from, const StopToken& stop)
+  Maker(const TimeStep& step, const Look& look, MatterFrom from, const StopToken& stop,
+        const VoxelPlanes& planes)
       : step_(step),
         look_(look),
         stop_(stop),
@@ -84,6 +85,8 @@ class Maker {
         grid_(coarseGrid(layout_)),
         level_(levelFor(step, grid_, from)),
         level_dims_(level_.source->layout().dims),
+        texels_(texelsAround(planes)),
+        planes_(planesOn(level_.placement, planes)),
         voxel_lengths_(layout_.spacing * level_.placement.scale / finestSpacing(layout_)),
         type_(step.ranges->map.type) {
     // One number for each value of integers of up to 16 bits, so that the loop over voxels needs no
@@ -102,15 +105,14 @@ class Maker {
   CoarseExtinction make(WorkerPool& pool) {
     sums_.resize(static_cast<size_t>(grid_.count()));
     // Tiles of whole texels: no two threads have the same one.
-    const Vec3i texels = grid_.texels;
-    Vec3i side = texels, tiles{1, 1, 1};
+    Vec3i side = texels_.size(), tiles{1, 1, 1};
     for (const int a : {1, 2}) {
       side[a] = std::max<int64_t>(1, kTileVoxels / grid_.voxels[a]);
-      tiles[a] = (texels[a] + side[a] - 1) / side[a];
+      tiles[a] = (texels_.size()[a] + side[a] - 1) / side[a];
     }
     pool.parallelFor(tiles.y * tiles.z, [&](int64_t tile) {
-      const Vec3i first = Vec3i{0, tile % tiles.y, tile / tiles.y} * side;
-      addVoxels({firstVoxelOf(first), firstVoxelOf(min(first + side, texels))});
+      const Vec3i first = texels_.lo + Vec3i{0, tile % tiles.y, tile / tiles.y} * side;
+      addVoxels({firstVoxelOf(first), firstVoxelOf(min(first + side, texels_.hi))});
     });
     CoarseExtinction result{grid_, {}};
     result.per_length.reserve(sums_.size());
@@ -121,6 +123,16 @@ class Maker {
   }
 
  private:
+  // The texels that the cells of the planes reach into: within() leaves nothing of the others.
+  Box3 texelsAround(const VoxelPlanes& planes) const {
+    Box3 texels = boxOf(grid_.texels);
+    for (int a = 0; a < 3; ++a)
+      if (const auto plane = planes[static_cast<size_t>(a)]) {
+        texels.lo[a] = std::max<int64_t>(*plane - 1, 0) / grid_.voxels[a];
+        texels.hi[a] = std::min((*plane + 1) / grid_.voxels[a] + 1, grid_.texels[a]);
+      }
+    return texels;
+  }
   // The level's first voxel whose centre is not below the texel. Texels share out the voxels: each
   // is in one.
   Vec3i firstVoxelOf(Vec3i texel) const {
@@ -171,6 +183,7 @@ class Maker {
     return voxels;
   }
 
+  // Adds these voxels. Along an axis that shows one plane, its values stand for those of all.
   template <class Voxel>
   void addRead(const Box3& voxels) {
     // Surfaces look at the neighbours, too.
@@ -180,6 +193,11 @@ class Maker {
         box.lo[a] = std::max<int64_t>(box.lo[a] - 1, 0);
         box.hi[a] = std::min(box.hi[a] + 1, level_dims_[a]);
       }
+    for (int a = 0; a < 3; ++a)
+      if (const auto plane = planes_[static_cast<size_t>(a)]) {
+        box.lo[a] = std::clamp<int64_t>(*plane, 0, level_dims_[a] - 1);
+        box.hi[a] = box.lo[a] + 1;
+      }
     const std::vector<Voxel> values = read<Voxel>(*level_.source, box);
     std::vector<Voxel> spreads;  // or shares, of labels
     const ExpectedLook* expected = look_.look_up->expected.get();
@@ -187,17 +205,20 @@ class Maker {
     if (level_.spreads != nullptr && (expected != nullptr || has_labels))
       spreads = read<Voxel>(*level_.spreads, box);
     const Vec3i size = box.size();
+    Vec3i steps{1, size.x, size.x * size.y};
+    for (int a = 0; a < 3; ++a)
+      if (planes_[static_cast<size_t>(a)]) steps[a] = 0;
     Vec3i at = voxels.lo;
     std::vector<size_t> texel_x;
     for (; at.x < voxels.hi.x; ++at.x) texel_x.push_back(static_cast<size_t>(texelOf(at).x));
     at.x = voxels.lo.x;
     for (at.z = voxels.lo.z; at.z < voxels.hi.z; ++at.z)
       for (at.y = voxels.lo.y; at.y < voxels.hi.y; ++at.y) {
-        const Vec3i row = at - box.lo, texel = texelOf(at);
+        const Vec3i row = (at - box.lo) * steps, texel = texelOf(at);
         Sum* const sums =
             &sums_[static_cast<size_t>((texel.z * grid_.texels.y + texel.y) * grid_.texels.x)];
-        auto i = static_cast<size_t>((row.z * size.y + row.y) * size.x);
-        for (size_t x = 0; x < texel_x.size(); ++x, ++i) {
+        auto i = static_cast<size_t>(row.x + row.y + row.z);
+        for (size_t x = 0; x < texel_x.size(); ++x, i += static_cast<size_t>(steps.x)) {
           double extinction = extinctionAt(values[i]);
           if (!spreads.empty()) {
             // Back from the extinction to the opacity, over which the expected look is a mean.
@@ -208,7 +229,8 @@ class Maker {
                                                           second, exact));
           }
           if (!meetings_.empty())
-            extinction += meetingsAt(values, i, size, {at.x + static_cast<int64_t>(x), at.y, at.z});
+            extinction +=
+                meetingsAt(values, i, steps, {at.x + static_cast<int64_t>(x), at.y, at.z});
           sums[texel_x[x]].extinction += extinction;
           ++sums[texel_x[x]].voxels;
         }
@@ -228,9 +250,7 @@ class Maker {
   // together have its area wherever it lies between them: in small volumes, whose texels are single
   // voxels, a surface that counted for whole voxels would be stairs, and its shadow ripples.
   template <class Voxel>
-  double meetingsAt(const std::vector<Voxel>& values, size_t i, Vec3i size, Vec3i voxel) const {
-    const std::array<size_t, 3> steps{1, static_cast<size_t>(size.x),
-                                      static_cast<size_t>(size.x * size.y)};
+  double meetingsAt(const std::vector<Voxel>& values, size_t i, Vec3i steps, Vec3i voxel) const {
     const auto own = static_cast<double>(values[i]);
     if (own < kNoNumber) return 0;
     // The steepest ways up and down. At an edge only one side of the voxel has it.
@@ -242,7 +262,7 @@ class Maker {
       fall[a] = std::max(fall[a], own - other);
     };
     for (int a = 0; a < 3; ++a) {
-      const size_t step = steps[static_cast<size_t>(a)];
+      const auto step = static_cast<size_t>(steps[a]);
       if (voxel[a] > 0) look(a, i - step);
       if (voxel[a] + 1 < level_dims_[a]) look(a, i + step);
     }
@@ -278,6 +298,8 @@ class Maker {
   const CoarseGrid grid_;
   const ReadLevel level_;
   const Vec3i level_dims_;
+  const Box3 texels_;          // those that are filled
+  const VoxelPlanes planes_;   // of the level
   const Vec3d voxel_lengths_;  // of a voxel of the level, along each axis
   const DeviceType type_;
   std::vector<float> extinctions_;  // by value of integers, by entry of the table for floats
@@ -313,9 +335,10 @@ void requireFollowedByLight(const TransferFunction& transfer, const VolumeLayout
 }
 
 CoarseExtinction coarseExtinction(const TimeStep& step, const Look& look, MatterFrom from,
-                                  WorkerPool& pool, const StopToken& stop) {
+                                  WorkerPool& pool, const StopToken& stop,
+                                  const VoxelPlanes& planes) {
   requireFollowedByLight(look.transfer, step.source->layout());
-  return Maker(step, look, from, stop).make(pool);
+  return Maker(step, look, from, stop, planes).make(pool);
 }
 
 CoarseExtinction within(const CoarseExtinction& whole, const std::vector<ClipPlane>& shown) {

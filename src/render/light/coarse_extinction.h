@@ -19,6 +19,7 @@
 #include "src/device/frame_values.h"
 #include "src/render/blocks/look.h"
 #include "src/render/blocks/time_step.h"
+#include "src/texture/texture_plan.h"
 
 namespace sluice {
 
@@ -49,9 +50,12 @@ enum class MatterFrom { kFinest, kLevels };
 // Throws Error if the opacities depend on gradients: plans refuse what pictures would.
 void requireFollowedByLight(const TransferFunction& transfer, const VolumeLayout& volume);
 
-// Throws as requireFollowedByLight(), Interrupted, and what the sources throw.
+// `planes`: those that a crop shows one voxel thick (planesOf()), whose values all of the volume
+// then has; texels beside them stay empty. Throws as requireFollowedByLight(), Interrupted, and
+// what the sources throw.
 CoarseExtinction coarseExtinction(const TimeStep& step, const Look& look, MatterFrom from,
-                                  WorkerPool& pool, const StopToken& stop);
+                                  WorkerPool& pool, const StopToken& stop,
+                                  const VoxelPlanes& planes = {});
 
 // The same without what the planes cut away, and a texel through which one goes in proportion.
 CoarseExtinction within(const CoarseExtinction& whole, const std::vector<ClipPlane>& shown);
