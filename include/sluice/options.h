@@ -82,7 +82,9 @@ struct LookOptions {
   std::string label_table = {};
   std::vector<Label> label_looks = {};
   std::string map = {};  // name of a colour map, "viridis"; empty: chosen
-  std::optional<std::array<double, 2>> range = {};  // colours span these; descending: reversed
+  // Colours span these; descending: reversed. The ramp of `threshold` ends at the greater one.
+  // Unset: the range of the values; with `threshold` the part from there on.
+  std::optional<std::array<double, 2>> range = {};
   // Channels that are not named look as the file says (OME), or by a colour of their own.
   std::vector<Channel> channels = {};
   // Unset: a second volume (VolumeOptions::over) is blended with a first one of one channel if both

@@ -132,8 +132,9 @@ std::vector<OptionEntry> lookEntries() {
                         .turn = 6,
                         .kind = {Form::kRange},
                         .value = "LO,HI",
-                        .help = "Value range for colours and ramps (the range of the data, over "
-                                "all steps of a series)"}),
+                        .help = "Value range for colours, and the top of the ramp of --threshold "
+                                "(the range of the data, over all steps of a series; colours of "
+                                "--threshold begin there)"}),
       in(&Look::channels,
          {.key = "channels",
           .option = "--look",

@@ -7,8 +7,11 @@
 #include <algorithm>
 #include <cctype>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
+#include "io/pictures/png_file.h"
 #include "tests/tools/program.h"
 
 namespace sluice {
@@ -151,7 +154,8 @@ TEST_F(PrintedLook, hasTheOptionsThatCountAndNoOthers) {
 
 TEST_F(PrintedLook, ofOtherModesGivesTheSamePicture) {
   for (const char* mode : {"mip", "minip", "average", "attenuated-mip", "depth-mip"})
-    for (const char* settings : {"", "--threshold 60", "--map red --range 20,200", "--step 0.3"}) {
+    for (const char* settings : {"", "--threshold 60", "--threshold 60 --range 200,20",
+                                 "--map red --range 20,200", "--step 0.3"}) {
       SCOPED_TRACE(fmt::format("{} {}", mode, settings));
       look(fmt::format("{} --mode {}", kSmall, mode), settings);
       look(fmt::format("{} --over {} --mode {}", kSpot, kLabels, mode), settings);
@@ -161,6 +165,44 @@ TEST_F(PrintedLook, ofOtherModesGivesTheSamePicture) {
   for (const char* mode : {"average", "attenuated-mip"})
     EXPECT_THAT(look(fmt::format("{} --mode {}", kSmall, mode), "--step 7"), HasSubstr("--step 7"));
   EXPECT_THAT(look(std::string(kSmall) + " --mode mip", ""), Not(HasSubstr("--step")));
+}
+
+// A value has the same grey with any threshold below it. It is the only one: nothing else is known.
+TEST_F(PrintedLook, aThresholdLeavesTheColoursWhereTheRangeHasThem) {
+  writeFile(program_.folder / "even_16x16x16_uint8.raw", std::string(16 * 16 * 16, '\x82'));
+  const auto greyOf = [&](const std::string& settings) {
+    const CommandResult drawn = program_.run(
+        "render even_16x16x16_uint8.raw --force -q --no-shade --map grey --view front --size 24x24 "
+        "-o a.png " +
+        settings);
+    EXPECT_EQ(drawn.status, 0) << drawn.output;
+    const Rgba8Picture picture = readPng(program_.folder / "a.png");
+    const uint8_t* const middle = &picture.rgba[4 * (12 * 24 + 12)];
+    return middle[3] == 0 ? -1 : middle[0] * middle[3] / 255;
+  };
+  struct Row {
+    const char* range;
+    double share;  // of white, for value 130
+  };
+  for (const Row& row : {Row{"20,220", 110.0 / 200},
+                         {"220,20", 90.0 / 200},
+                         {"130,330", 0},
+                         {"0,520", 0.25},
+                         {"100,160", 0.5}})
+    for (const char* threshold : {"", "--threshold 100", "--threshold 21.5", "--threshold -7"})
+      for (const auto& [mode, more] : {std::pair("--mode mip", ""),
+                                       {"--mode minip", ""},
+                                       {"--mode average", ""},
+                                       {"--mode attenuated-mip", "--attenuation 0"},
+                                       {"--mode composite", "--opacity 1"}}) {
+        const bool is_composite = std::string_view(mode) == "--mode composite";
+        if (*threshold == 0 && is_composite) continue;
+        const std::string settings = fmt::format("--range {} {} {}", row.range, threshold, more);
+        EXPECT_NEAR(greyOf(fmt::format("{} {}", mode, settings)), 255 * row.share, 1.5)
+            << mode << " " << settings;
+        look(fmt::format("even_16x16x16_uint8.raw {}", mode), settings);
+      }
+  EXPECT_EQ(greyOf("--threshold 140 --range 20,220 --mode mip"), -1);
 }
 
 // --shade lights both volumes, and without it the first one alone is lit.

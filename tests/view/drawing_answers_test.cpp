@@ -327,8 +327,7 @@ TEST(DrawingThread, standsWishesFromSeveralThreads) {
         wish.state.view = orbit(wish.state.view, turn, 0, {48, 40});
         wish.state.shows_slices = turn % 5 == 0;
         if (turn % 2 == 0)
-          wish.state.look =
-              withThreshold({}, range[0] + (range[1] - range[0]) * (turn % 50) / 60, range);
+          wish.state.look = withThreshold({}, range[0] + (range[1] - range[0]) * (turn % 50) / 60);
         desk.wish(wish);
         if (turn % 7 == 0) desk.probe(0.5, 0.5);
         if (turn % 11 == 0) desk.wantReport(turn % 2 == 0);

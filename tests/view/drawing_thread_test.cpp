@@ -164,8 +164,7 @@ TEST(DrawingThread, theNewestWishIsTheOneThatIsShown) {
   const auto range = seen.opened->info.value_range;
   for (int i = 0; i < 60; ++i) {
     wish.moves = i < 59;
-    wish.state.look =
-        withThreshold(wish.state.look, range[0] + (range[1] - range[0]) * i / 80, range);
+    wish.state.look = withThreshold(wish.state.look, range[0] + (range[1] - range[0]) * i / 80);
     wish.state.view = orbit(wish.state.view, 2, 1, {96, 80});
     const uint64_t number = desk.wish(wish);
     EXPECT_GT(number, last);

@@ -11,22 +11,29 @@ TEST(TransferEdit, aThresholdTakesThePlaceOfOtherOpacities) {
   LookOptions look;
   look.opacities = {{1, 0}, {2, 1}};
   look.map = "viridis";
-  look = withThreshold(look, 40, kRange);
+  look.range = kRange;
+  look = withThreshold(look, 40);
   EXPECT_EQ(look.threshold, 40);
   EXPECT_TRUE(look.opacities.empty());
   EXPECT_EQ(look.map, "viridis");
-  EXPECT_EQ(look.range, kRange);
+  EXPECT_FALSE(look.range) << "it was that of the points";
 }
 
 TEST(TransferEdit, aThresholdKeepsTheWindowOfARamp) {
   LookOptions look;
   look.threshold = 10;
   look.range = std::array{20.0, 30.0};
-  EXPECT_EQ(withThreshold(look, 25, kRange).range, (std::array{20.0, 30.0}));
+  EXPECT_EQ(withThreshold(look, 25).range, (std::array{20.0, 30.0}));
 }
 
-TEST(TransferEdit, aVolumeOfOneValueGivesARampNoRange) {
-  EXPECT_FALSE(withThreshold({}, 42, {42, 42}).range);
+TEST(TransferEdit, theWindowOfARampBeginsAtItsThreshold) {
+  LookOptions look;
+  EXPECT_EQ(colorsOf(look, kRange), kRange);
+  look = withThreshold(look, 40);
+  EXPECT_EQ(colorsOf(look, kRange), (std::array{40.0, 100.0}));
+  EXPECT_EQ(colorsOf(withThreshold(look, 100), kRange), kRange);
+  look.range = std::array{90.0, 10.0};
+  EXPECT_EQ(colorsOf(look, kRange), (std::array{90.0, 10.0}));
 }
 
 TEST(TransferEdit, aLookBecomesPointsThatSayTheSame) {
@@ -34,7 +41,7 @@ TEST(TransferEdit, aLookBecomesPointsThatSayTheSame) {
   look.threshold = 40;
   ShownLook shown;
   shown.opacities = {{40, 0}, {40, 0.01}, {100, 0.05}};
-  shown.options = "--threshold 40 --opacity 0.05 --map ct-bone --range 0,100 --shade";
+  shown.options = "--threshold 40 --opacity 0.05 --map ct-bone --shade";
   const LookOptions points = byPoints(look, shown, kRange);
   EXPECT_FALSE(points.threshold);
   ASSERT_EQ(points.opacities.size(), 3U);
@@ -42,6 +49,8 @@ TEST(TransferEdit, aLookBecomesPointsThatSayTheSame) {
   EXPECT_EQ(points.map, "ct-bone");
   EXPECT_EQ(points.range, (std::array{40.0, 100.0}));  // colours of a ramp begin at its threshold
   EXPECT_EQ(byPoints(points, {}, {0, 1}), points);
+  shown.options += " --range 90,10";
+  EXPECT_EQ(byPoints(look, shown, kRange).range, (std::array{90.0, 10.0}));
 }
 
 TEST(TransferEdit, pointsOverAFileKeepItsColours) {

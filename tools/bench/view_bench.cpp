@@ -104,7 +104,7 @@ void move(ViewState& state, const ViewBench& bench, std::array<double, 2> range,
   const double part = static_cast<double>(i) / bench.events;
   const double up = part < 0.5 ? 2 * part : 2 - 2 * part;
   if (bench.drag == DragKind::kThreshold)
-    state.look = withThreshold(state.look, bench.threshold + up * (range[1] - range[0]) / 4, range);
+    state.look = withThreshold(state.look, bench.threshold + up * (range[1] - range[0]) / 4);
   else
     state.view = orbit(state.view, part <= 0.5 ? 4 : -4, 0, {bench.width, bench.height});
 }
@@ -142,7 +142,7 @@ nlohmann::json benchView(const ViewBench& bench) {
     return watch.seconds();
   };
   if (bench.drag == DragKind::kThreshold)
-    wish.state.look = withThreshold(wish.state.look, bench.threshold, range);
+    wish.state.look = withThreshold(wish.state.look, bench.threshold);
   loop.wish(wish);
   loop.turnUntil([&] { return loop.picture != nullptr; });
   const double first_s = since_start.seconds();

@@ -84,7 +84,12 @@ LookArguments lookOfChannel(const LookArguments& asked, const ShownChannel& chan
     look.map = channel.color;
   }
   if (own != nullptr && own->opacity) look.opacity = own->opacity;
-  if (!look.range) look.range = channel.window;
+  if (!look.range && channel.window) {
+    look.range = channel.window;
+    // Colours of a ramp begin at its threshold, unless the user gives a range.
+    const double top = std::max(look.range->lo, look.range->hi);
+    if (look.threshold && *look.threshold < top) look.range = ValueRange{*look.threshold, top};
+  }
   if (own != nullptr && own->range) look.range = own->range;
   if (look.range && !hasOpacities(look)) {
     const auto [lo, hi] = std::minmax(look.range->lo, look.range->hi);

@@ -197,6 +197,9 @@ class Chooser {
     const std::string_view map = mapOr(look_, usualMap());
     const double opacity = look_.opacity.value_or(kDefaultOpacity);
     chosen_.transfer = thresholdTransfer(threshold, range_, opacity, map);
+    // The colours begin at the threshold, unless the user says where.
+    if (look_.range)
+      chosen_.transfer.colors = pointsTransfer(map, map_range_, chosen_.transfer.opacities).colors;
     add(fmt::format(" --threshold {} --opacity {}", threshold, opacity));
     addMap(map);
     if (look_.range) measureFlatness(range_);

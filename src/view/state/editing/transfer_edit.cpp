@@ -28,16 +28,21 @@ LookOptions withoutOpacities(LookOptions look) {
 
 }  // namespace
 
-LookOptions withThreshold(LookOptions look, double threshold, std::array<double, 2> range) {
+LookOptions withThreshold(LookOptions look, double threshold) {
   // This is asked before the threshold is removed with the other opacities.
   const bool is_ramp = look.threshold.has_value();
   look = withoutOpacities(std::move(look));
   look.threshold = threshold;
-  // The range of another kind of look spans its colours, not a ramp.
+  // The range of another kind of look suits its colours. Those of a ramp begin at its threshold,
+  // unless the user gives a range.
   if (!is_ramp) look.range.reset();
-  // A volume of a single value has no range to lay a ramp over.
-  if (!look.range && range[0] < range[1]) look.range = range;
   return look;
+}
+
+std::array<double, 2> colorsOf(const LookOptions& look, std::array<double, 2> range) {
+  if (look.range) return *look.range;
+  if (look.threshold && *look.threshold < range[1]) range[0] = *look.threshold;
+  return range;
 }
 
 std::string wordAfter(std::string_view options, std::string_view option) {
@@ -74,9 +79,7 @@ LookOptions byPoints(const LookOptions& look, const ShownLook& shown, std::array
   next.transfer_file = look.transfer_file;
   if (!next.transfer_file.empty()) return next;  // its colours stay
   if (next.map.empty()) next.map = wordAfter(shown.options, "--map");
-  // A ramp's colours begin at its threshold.
-  std::array<double, 2> colors = rangeIn(shown.options).value_or(range);
-  if (look.threshold && *look.threshold < colors[1]) colors[0] = *look.threshold;
+  const std::array<double, 2> colors = rangeIn(shown.options).value_or(colorsOf(look, range));
   next.range = colors;
   if (colors[0] == colors[1]) next.range = std::array{colors[0], colors[0] + 1};
   return next;

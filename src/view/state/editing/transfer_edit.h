@@ -16,9 +16,12 @@ namespace sluice {
 
 using OpacityPoints = std::vector<LookOptions::Opacity>;  // ascending by value
 
-// A ramp from this value on, over `range` (the volume's least and greatest value), so that
-// `sluice render` lays it over the same one.
-LookOptions withThreshold(LookOptions look, double threshold, std::array<double, 2> range);
+// A ramp from this value on. A ramp keeps the range that the user gave it.
+LookOptions withThreshold(LookOptions look, double threshold);
+
+// The values that the colours span, of a volume with this range: those of a ramp begin at its
+// threshold, unless the user gives a range.
+std::array<double, 2> colorsOf(const LookOptions& look, std::array<double, 2> range);
 
 // The same look by points of opacity, a map and a range, for editing; a look by points stays as it
 // is. A look from a file keeps the file for its colours.

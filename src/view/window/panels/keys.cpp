@@ -90,7 +90,7 @@ void look(WindowState& window, const ImGuiIO& io) {
   if (pressed(GLFW_KEY_T)) {
     const double now = next.look.threshold.value_or(all[0] + (all[1] - all[0]) / 5);
     const double by = (io.KeyShift ? -0.01 : 0.01) * (all[1] - all[0]);
-    next.look = withThreshold(next.look, std::clamp(now + by, all[0], all[1]), all);
+    next.look = withThreshold(next.look, std::clamp(now + by, all[0], all[1]));
   }
   // The table of options has the modes, so that a new one joins the round by itself.
   const auto modes = static_cast<int>(optionEntry("--mode").kind.words.size());

@@ -23,7 +23,7 @@ void thresholdSlider(WindowState& window) {
   // Doubles hold every value of 32-bit voxels, which floats do not.
   if (ImGui::SliderScalar("##threshold", ImGuiDataType_Double, &threshold, &range[0], &range[1],
                           look.threshold ? "threshold %.5g" : "threshold (%.5g)"))
-    window.edit([&](ViewState& next) { next.look = withThreshold(next.look, threshold, range); });
+    window.edit([&](ViewState& next) { next.look = withThreshold(next.look, threshold); });
   window.log.control("threshold");
 }
 
@@ -124,7 +124,7 @@ void light(WindowState& window) {
 
 void windowAndLevel(WindowState& window) {
   const auto all = window.valueRange();
-  const auto range = window.state().look.range.value_or(all);
+  const auto range = colorsOf(window.state().look, all);
   const auto span = static_cast<float>(all[1] - all[0]);
   auto lo = static_cast<float>(range[0]), hi = static_cast<float>(range[1]);
   ImGui::SetNextItemWidth(-1);

@@ -45,7 +45,7 @@ void drag(WindowState& window, PanePoint by, float pixels) {
       const auto all = window.valueRange();
       return window.edit([&](ViewState& next) {
         next.look.range =
-            windowDragged(next.look.range.value_or(all), dx / pane.width, dy / pane.height, all);
+            windowDragged(colorsOf(next.look, all), dx / pane.width, dy / pane.height, all);
       });
     }
     case Does::kHandle:
