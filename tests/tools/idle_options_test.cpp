@@ -112,6 +112,52 @@ TEST_F(IdleOptions, ofSamplingAreWarningsOfPlansTurnsAndBenches) {
   }
 }
 
+// Every bench that draws warns of them, and of nothing that counts. Options of the rows are told
+// as such.
+TEST_F(IdleOptions, areWarningsOfEveryBench) {
+  struct BenchLine {
+    const char* words;
+    const char* own;  // an option that each row has for itself
+  };
+  const BenchLine benches[] = {{"render --frames 1", nullptr},
+                               {"threshold --changes 2", nullptr},
+                               {"algorithms --frames 1", "--algorithm trimmed"},
+                               {"skipping --frames 1", "--partition boxes"},
+                               {"occlusion --frames 1", "--occlusion cull"},
+                               {"quality --frames 1", "--step 2"},
+                               {"ranks --ranks 1 --frames 1", nullptr}};
+  for (const BenchLine& bench : benches) {
+    SCOPED_TRACE(bench.words);
+    const std::string line =
+        fmt::format("bench {} {} --size 32 --threshold 40 ", bench.words, kSmall);
+    const auto said = [&](const std::string& more) {
+      const CommandResult result = program_.run(line + more);
+      EXPECT_EQ(result.status, 0) << more << ": " << result.output;
+      return result.output;
+    };
+    EXPECT_THAT(said(""), Not(HasSubstr("changes nothing")));
+    for (const char* idle : {"--attenuation 2", "--fov 50", "--combine blend"})
+      EXPECT_THAT(said(idle), HasSubstr(std::string(idle).substr(0, std::string(idle).find(' ')) +
+                                        " changes nothing"))
+          << idle;
+    // These two benches are lit.
+    const bool is_lit = bench.words[0] == 's' || bench.words[0] == 'o';
+    for (const std::string option : {"--light 3,4", "--ambient 0.5"}) {
+      const std::string idle = option.substr(0, option.find(' ')) + " changes nothing";
+      if (!is_lit) {
+        EXPECT_THAT(said(option), HasSubstr(idle));
+      }
+      EXPECT_THAT(said("--shade " + option), Not(HasSubstr(idle)));
+    }
+    if (!is_lit) {
+      EXPECT_THAT(said("--shadows"), HasSubstr("--shadows changes nothing"));
+    }
+    if (bench.own != nullptr) {
+      EXPECT_THAT(said(bench.own), HasSubstr("changes nothing here: each row has its own"));
+    }
+  }
+}
+
 // The benches of series and of several channels, too.
 TEST_F(IdleOptions, ofSamplingAreWarningsOfBenchesOfSeveralVolumes) {
   ASSERT_EQ(program_.run("synth mixing -o mix_%03d.nrrd --dims 16,16,16 --steps 2 -q").status, 0);

@@ -77,7 +77,7 @@ nlohmann::json rowOf(const BenchArguments& bench, const std::string& word) {
   look.threshold = threshold;
   Scene scene =
       openScene({{file}, bench.volume.open, bench.volume.time}, look, bench.resources, bench.frame);
-  warnOfIdleQuality(bench, scene, bench.frame);
+  warnOfIdle(bench, scene, bench.frame, {"--algorithm"});
   nlohmann::json row{
       {"volume", withoutSecrets(file)},
       {"threshold", threshold ? nlohmann::json(*threshold) : nlohmann::json()},

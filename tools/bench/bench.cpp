@@ -5,6 +5,7 @@
 #include "src/base/error.h"
 #include "src/library/drawing/scene/picture_facts.h"
 #include "tools/command_line/console.h"
+#include "tools/command_line/option_group.h"
 #include "tools/command_line/parse.h"
 #include "tools/command_line/usage.h"
 
@@ -40,15 +41,25 @@ AskedView addPictures(CLI::App& app, BenchArguments& arguments) {
   return asked;
 }
 
-std::vector<std::string> idleQuality(const BenchArguments& bench, const Scene& scene,
-                                     const FrameOptions& frame) {
-  if (bench.app->count("--quality") == 0) return {};
-  return idleOptions({"--quality"}, pictureFacts(scene, frame));
+std::vector<std::string> idleLines(const BenchArguments& bench, const Scene& scene,
+                                   const FrameOptions& frame, const OwnOptions& of_rows) {
+  std::set<std::string> given = givenOptions(*bench.app);
+  std::vector<std::string> lines;
+  for (const std::string& option : of_rows)
+    if (given.erase(option) > 0)
+      lines.push_back(fmt::format("{} changes nothing here: each row has its own", option));
+  FrameOptions drawn = frame;
+  // Rows of all algorithms merge, too.
+  if (of_rows.contains("--algorithm")) drawn.algorithm = Algorithm::kMerged;
+  for (const std::string& line : idleOptions(given, pictureFacts(scene, drawn)))
+    lines.push_back(fmt::format("{}: {}", scene.volume.name, line));
+  return lines;
 }
 
-void warnOfIdleQuality(const BenchArguments& bench, const Scene& scene, const FrameOptions& frame) {
-  for (const std::string& line : idleQuality(bench, scene, frame))
-    printWarning(fmt::format("{}: {}", scene.volume.name, line));
+void warnOfIdle(const BenchArguments& bench, const Scene& scene, const FrameOptions& frame,
+                const OwnOptions& of_rows) {
+  for (const std::string& line : scene.lookWarnings()) printWarning(line);
+  for (const std::string& line : idleLines(bench, scene, frame, of_rows)) printWarning(line);
 }
 
 void addFrames(CLI::App& app, BenchArguments& bench, const char* which) {

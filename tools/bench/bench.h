@@ -10,6 +10,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -71,11 +72,15 @@ inline constexpr const char* kFramesOfEachWay =
     "Frames measured for each variant, after 2 warm ones";
 inline constexpr const char* kFrames = "Frames measured, after 2 warm ones";
 
-// The line about --quality if it was given for nothing in frames of the scene.
-std::vector<std::string> idleQuality(const BenchArguments& bench, const Scene& scene,
-                                     const FrameOptions& frame);
-// Prints it as a warning.
-void warnOfIdleQuality(const BenchArguments& bench, const Scene& scene, const FrameOptions& frame);
+// Options that each row of a bench sets itself, such as "--algorithm".
+using OwnOptions = std::set<std::string>;
+// A line for each option that was given for nothing: frames of the scene, or the rows, leave it
+// without effect (idle_options.h).
+std::vector<std::string> idleLines(const BenchArguments& bench, const Scene& scene,
+                                   const FrameOptions& frame, const OwnOptions& of_rows = {});
+// Prints them and the warnings of the look. Every bench that draws a scene calls it.
+void warnOfIdle(const BenchArguments& bench, const Scene& scene, const FrameOptions& frame,
+                const OwnOptions& of_rows = {});
 
 // "bonsai.nii.gz@40" -> the file and 40; a file without one keeps `threshold`.
 std::pair<std::string, std::optional<double>> splitThreshold(const std::string& word,

@@ -1,8 +1,11 @@
 // sluice bench channels: a picture of several channels, added and blended, beside each of them
 // alone.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <map>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -44,11 +47,16 @@ void measure(ChannelsWay& way, const FrameOptions& options) {
   way.cpu_s.push_back(processorSeconds() - before_s);
 }
 
-// A line for each way in which --quality changes nothing.
-void warnOfIdleQuality(const BenchArguments& bench, const std::vector<ChannelsWay>& ways) {
+// A line for each option that changes nothing in all ways, and in one of them.
+void warnOfIdle(const BenchArguments& bench, const std::vector<ChannelsWay>& ways) {
+  std::map<std::string, std::vector<std::string>> ways_of;  // by line
   for (const ChannelsWay& way : ways)
-    for (const std::string& line : idleQuality(bench, way.scene, bench.frame))
-      printWarning(fmt::format("{}: {}: {}", way.scene.volume.name, way.name, line));
+    for (const std::string& line : idleLines(bench, way.scene, bench.frame, {"--combine"}))
+      ways_of[line].push_back(way.name);
+  for (const auto& [line, names] : ways_of)
+    printWarning(names.size() == ways.size()
+                     ? line
+                     : fmt::format("{} (in {})", line, fmt::join(names, ", ")));
 }
 
 json benchChannels(const BenchArguments& bench) {
@@ -70,7 +78,7 @@ json benchChannels(const BenchArguments& bench) {
     look.combine = combine;
     ways.push_back(wayOf(bench, name, bench.volume, look, parts));
   }
-  warnOfIdleQuality(bench, ways);
+  warnOfIdle(bench, ways);
   for (int i = -kWarmFrames; i < bench.frames; ++i) {
     FrameOptions options = bench.frame;
     options.camera.azimuth_deg += 360.0 * std::max(i, 0) / bench.frames;

@@ -292,7 +292,7 @@ void drawSeries(const CullingBench& bench, json& report) {
     CullingArguments how = bench.culling;
     how.culling = culling;
     Scene scene = openScene(bench.volume, bench.look, bench.resources, bench.frame);
-    if (culling == Culling::kNone) warnOfIdleQuality(bench, scene, bench.frame);
+    if (culling == Culling::kNone) warnOfIdle(bench, scene, bench.frame);
     Series series(scene, how, bench.resources, bench.frame);
     scene.session->setOptions(bench.frame);
     dropFromMemory(scene.volume.source->files());

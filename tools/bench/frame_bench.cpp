@@ -35,7 +35,7 @@ void printLimit(const json& report) {
 // sampling rate, which is measured too; the last frame's report. Throws Error.
 json benchFrames(const BenchArguments& bench) {
   Scene scene = openScene(bench.volume, bench.look, bench.resources, bench.frame);
-  warnOfIdleQuality(bench, scene, bench.frame);
+  warnOfIdle(bench, scene, bench.frame);
   FrameOptions options = bench.frame;
   const auto turnTo = [&](int frame) {
     options.camera.azimuth_deg =

@@ -87,7 +87,7 @@ json benchLevels(const LevelsArguments& bench) {
     fail("{}: has one level; sluice pack --levels auto makes more", scene.volume.name);
   asked.frame.cut.reset();
   // The truth and the row of level 0 can be integrated, those of coarser levels never are.
-  warnOfIdleQuality(bench, scene, asked.frame);
+  warnOfIdle(bench, scene, asked.frame);
   const Picture truth = truthOf(asked, scene);
   json rows = json::array();
   for (const double pixel_error : kPixelErrors)

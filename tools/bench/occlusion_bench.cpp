@@ -111,7 +111,7 @@ json rowOf(const OcclusionBench& bench, const std::string& word) {
   boxes.partition = Partition::kBoxes;
   Scene scene =
       openScene({{file}, bench.volume.open, bench.volume.time}, look, bench.resources, boxes);
-  warnOfIdleQuality(bench, scene, bench.frame);
+  warnOfIdle(bench, scene, bench.frame, {"--algorithm", "--partition", "--occlusion"});
   Session& session = *scene.session;
   // A curve or an opacity that was asked for is measured as it is.
   if (look.transfer_file.empty() && !look.opacity)

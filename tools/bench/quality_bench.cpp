@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <iterator>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -12,7 +11,6 @@
 #include "tools/bench/bench.h"
 #include "tools/bench/picture_error.h"
 #include "tools/command_line/console.h"
-#include "tools/command_line/option_group.h"
 #include "tools/outputs/report.h"
 
 namespace sluice {
@@ -62,25 +60,14 @@ void measureAll(const BenchArguments& bench, Scene& scene, std::vector<Times>& t
   }
 }
 
-// Warns of options that change nothing here.
-void warnOfIdle(const BenchArguments& bench, const Scene& scene, const FrameOptions& frame) {
-  std::set<std::string> given = givenOptions(*bench.app);
-  for (const char* own : {"--quality", "--step"})
-    if (given.erase(own) > 0)
-      printWarning(fmt::format("{} changes nothing here: each row has its own", own));
-  const PictureFacts facts = pictureFacts(scene, frame);
-  for (const std::string& line : idleOptions(given, facts))
-    printWarning(fmt::format("{}: {}", scene.volume.name, line));
-  for (const std::string& line : idleOptions({"--quality"}, facts))
-    printWarning(fmt::format("{}: rows of integrated samples are those of plain ones: {}",
-                             scene.volume.name, line));
-}
-
 json benchQuality(const BenchArguments& bench) {
   BenchArguments asked = bench;
   asked.frame.integrates = true;  // for blocks that have what it takes
   Scene scene = openScene(asked.volume, asked.look, asked.resources, asked.frame);
-  warnOfIdle(bench, scene, asked.frame);
+  warnOfIdle(bench, scene, asked.frame, {"--quality", "--step"});
+  for (const std::string& line : idleOptions({"--quality"}, pictureFacts(scene, asked.frame)))
+    printWarning(fmt::format("{}: rows of integrated samples are those of plain ones: {}",
+                             scene.volume.name, line));
   const Picture truth = drawn(scene, optionsOf(asked, {false, kTruthStep}));
   std::vector<Times> times(std::size(kSamplingWays));
   for (int round = 0; round < bench.frames; ++round) measureAll(asked, scene, times);

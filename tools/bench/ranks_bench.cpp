@@ -38,7 +38,7 @@ json framesOf(const RanksBench& bench, Team* team) {
   if (team == nullptr || team->isFirst()) open();
   if (team != nullptr) team->wait();
   if (!scene) open();
-  if (team == nullptr) warnOfIdleQuality(bench, *scene, bench.frame);
+  if (team == nullptr) warnOfIdle(bench, *scene, bench.frame);
   FrameOptions options = bench.frame;
   options.stop = interruption();
   std::vector<double> seconds, draws, exchanges, composes, gathers;

@@ -34,7 +34,7 @@ nlohmann::json skippingRow(const BenchArguments& bench, const std::string& word)
   boxes.partition = Partition::kBoxes;
   Scene scene =
       openScene({{file}, bench.volume.open, bench.volume.time}, look, bench.resources, boxes);
-  warnOfIdleQuality(bench, scene, bench.frame);
+  warnOfIdle(bench, scene, bench.frame, {"--algorithm", "--partition"});
   nlohmann::json row{{"volume", withoutSecrets(file)},
                      {"threshold", threshold ? nlohmann::json(*threshold) : nlohmann::json()}};
   std::array<std::vector<double>, kSkippingWays.size()> seconds;

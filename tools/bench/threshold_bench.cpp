@@ -297,7 +297,7 @@ double rebuildSeconds(const ThresholdRun& bench) {
 // `out_of_core` (memory for a quarter of the picture's need). Throws Error.
 nlohmann::json benchThreshold(const ThresholdBench& asked) {
   Scene scene = openScene(asked.volume, asked.look, asked.resources, asked.frame);
-  warnOfIdleQuality(asked, scene, asked.frame);
+  warnOfIdle(asked, scene, asked.frame);
   const ValueRange values = scene.volume.valueRange();
   const double start = asked.look.threshold.value_or(plainThreshold(values));
   const ThresholdRun bench{asked, scene, {values.lo, values.hi, start}};
