@@ -8,6 +8,7 @@
 
 #include "src/base/sources/volume_source.h"
 #include "src/volume/block_layout.h"
+#include "src/volume/passes/volume_pass.h"
 
 namespace sluice {
 
@@ -19,9 +20,12 @@ struct FirstPass {
 // Fits the pass into `memory_bytes`, of which the source keeps a quarter for its caches
 // (holdAtMost). Throws Error, which names the least that works: a thread's decoded chunks and a
 // block do not fit, or the min-max arrays of a volume whose blocks may all differ are larger than
-// that memory. `threads`: as many as there are. `enough_to_draw`: see VolumePass.
+// that memory. `threads`: as many as there are. `budgets`: see VolumePass.
 FirstPass planFirstPass(VolumeSource& source, int64_t time, const BlockLayout& layout,
                         uint64_t memory_bytes, int threads,
-                        const std::function<uint64_t(uint64_t array_bytes)>& enough_to_draw = {});
+                        const std::function<PassBudgets(const PassNeeds&)>& budgets = {});
+
+// The needs of such a pass.
+PassNeeds firstPassNeeds(VolumeSource& source, int64_t time, const BlockLayout& layout);
 
 }  // namespace sluice

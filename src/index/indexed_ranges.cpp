@@ -170,7 +170,7 @@ IndexedRanges indexedRanges(VolumeSource& source, const IndexPlaces& places, int
   // The plan reads the source's listing, which may take long: it is made only if a pass follows.
   const FirstPass plan =
       planFirstPass(source, time, layout, pass.memory_bytes,
-                    std::max(each * pool.threads(), source.distantReads()), pass.enough_to_draw);
+                    std::max(each * pool.threads(), source.distantReads()), pass.budgets);
   std::optional<WorkerPool> other;
   // Memory may allow fewer threads than the pool has, and slow sources want more.
   if (plan.threads != pool.threads()) other.emplace(plan.threads);

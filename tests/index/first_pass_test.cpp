@@ -78,17 +78,17 @@ TEST(FirstPass, theLeastThatWorksIsNamedBeforeItIsTaken) {
 TEST(FirstPass, theBudgetThatDrawsIsNamedWithIt) {
   HoldingSource source({256, 256, 256}, 1000 * kMiB);
   const BlockLayout layout = blockLayout(source.layout().dims, 64, 0);
-  uint64_t arrays = 0;
-  const auto enough = [&](uint64_t array_bytes) {
-    arrays = array_bytes;
-    return 3000 * kMiB;
+  double arrays = 0;
+  const auto enough = [&](const PassNeeds& needs) {
+    arrays = needs.array_bytes;
+    return PassBudgets{needs.least_bytes, 3000.0 * kMiB};
   };
   EXPECT_THAT(errorOf([&] { planFirstPass(source, 0, layout, 16 * kMiB, 8, enough); }),
               HasSubstr("; give --memory 1001M or more to look at it, and 3000M to draw it"));
   // 125 blocks of 64 voxels a side, whose 64 planes along each axis have two values each, and two
   // values for each of 64^3 bricks.
-  EXPECT_GT(arrays, uint64_t{125} * 2 * 3 * 64);
-  EXPECT_LT(arrays, uint64_t{126} * 2 * 3 * 68 + uint64_t{2} * 64 * 64 * 64);
+  EXPECT_GT(arrays, 125.0 * 2 * 3 * 64);
+  EXPECT_LT(arrays, 126.0 * 2 * 3 * 68 + 2.0 * 64 * 64 * 64);
   planFirstPass(source, 0, layout, 1001 * kMiB, 8, enough);
 }
 

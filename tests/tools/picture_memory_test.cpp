@@ -41,6 +41,17 @@ TEST(PictureMemory, isTheWholePicturesWithOcclusion) {
   EXPECT_LT(pictureBytes(pictureDemand({}, frame), kMiB), 20 * kMiB);
 }
 
+// The picture stays while the next one is drawn, or the one that it is compared with.
+TEST(PictureMemory, isTheWholePicturesAndThatOfOneThatIsKept) {
+  FrameOptions frame;
+  frame.size = {4000, 4000};
+  frame.strips = Strips::kNever;
+  const PictureDemand picture = pictureDemand({}, frame);
+  EXPECT_EQ(pictureBytes(picture, kMiB),
+            wholePictureBytes({frame.size}) + 4000 * 4000 * uint64_t{20});
+  EXPECT_EQ(stripsOf(picture, wholePictureBytes(picture)).size(), 1U);
+}
+
 TEST(PictureMemory, ofGlIsThatOfItsTargetsToo) {
   MachineOptions machine;
   machine.device.device = DeviceChoice::kGl;

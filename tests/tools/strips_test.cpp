@@ -200,7 +200,7 @@ TEST(Strips, doNotGoWithOptionsThatLookAtWholePictures) {
                                         "--device cpu --size 3000x3000 --memory 24M --pages 64 "
                                         "--verify -o a.png");
   EXPECT_EQ(run.status, 1);
-  EXPECT_THAT(run.output, HasSubstr("--verify needs the whole picture of 3000 x 3000"));
+  EXPECT_THAT(run.output, HasSubstr("--memory 24.0 MiB is too small"));
   EXPECT_FALSE(program.exists("a.png"));
 }
 
@@ -214,24 +214,6 @@ TEST(Strips, aLargePictureTellsATerminalHowFarItIs) {
           .output;
   EXPECT_THAT(told, testing::ContainsRegex("drawing [0-9]+ %, [0-9]+ s left"));
   EXPECT_THAT(told, testing::ContainsRegex("drawing: done in [0-9.]+ s\r\n"));
-}
-
-// Small blocks take most of the memory, so that it is not four times the picture's.
-TEST(Strips, messageNamesTheMemoryThatHoldsTheWholePicture) {
-  const Program program;
-  for (const char* more : {"", "--over synth:shells,dims=20x20x20 "}) {
-    SCOPED_TRACE(more);
-    const std::string line = std::string("render synth:phantom,dims=40x40x40 --block 4 --force ") +
-                             more + "--device cpu --size 200x160 --verify -o a.png --memory ";
-    const std::string output = program.run(line + (*more == 0 ? "28M" : "60M")).output;
-    EXPECT_THAT(output, HasSubstr("--verify needs the whole picture of 200 x 160"));
-    const size_t at = output.find("give --memory ");
-    ASSERT_NE(at, std::string::npos) << output;
-    const uint64_t needed = std::stoull(output.substr(at + 14));
-    EXPECT_EQ(program.run(line + std::to_string(needed)).status, 0);
-    EXPECT_THAT(program.run(line + std::to_string(needed - 1000)).output,
-                HasSubstr("give --memory " + std::to_string(needed)));
-  }
 }
 
 }  // namespace

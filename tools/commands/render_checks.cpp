@@ -46,6 +46,11 @@ PictureArguments pictureOf(const Arguments& arguments) {
   return {arguments.look, arguments.frame, arguments.culling, arguments.resources};
 }
 
+// Whether pictures are rows that get better, if the volume has levels.
+bool mayRefine(const Arguments& arguments, const Team* team) {
+  return asksForRefinement(arguments) && !isSeries(arguments) && team == nullptr;
+}
+
 // At most one a level, and one more that the time ends.
 constexpr int64_t kMostPictures = 64;
 
@@ -179,7 +184,7 @@ void readPath(Arguments& arguments, const std::set<std::string>& given) {
 }
 
 std::optional<CutOptions> cutOf(const Arguments& arguments, Team* team) {
-  const bool refines = asksForRefinement(arguments) && !isSeries(arguments) && team == nullptr;
+  const bool refines = mayRefine(arguments, team);
   const bool is_alone = frameCount(arguments) == 1 && !asksForRefinement(arguments);
   std::optional<CutOptions> cut =
       cutOf(pictureOf(arguments), refines, is_alone ? PictureRow::kOne : PictureRow::kMore);
@@ -230,23 +235,15 @@ void requireOneChannel(const Arguments& arguments, const Scene& scene) {
     fail("{}: --debug-view shows one channel, {}", scene.volume.name, scene.notOneChannel());
 }
 
-void requireWholePicture(const Arguments& arguments, const Scene& scene) {
-  const bool is_refined = isRefined(arguments, scene);
-  if (!arguments.verify && !arguments.debug_view && !is_refined) return;
-  if (is_refined && (arguments.verify || arguments.debug_view))
+Strips stripsOf(const Arguments& arguments, Team* team) {
+  if (arguments.verify || arguments.debug_view) return Strips::kNever;
+  return mayRefine(arguments, team) ? Strips::kUnlessRefined : Strips::kMayBe;
+}
+
+void requireOnePicture(const Arguments& arguments, const Scene& scene) {
+  if ((arguments.verify || arguments.debug_view) && isRefined(arguments, scene))
     failUsage("{} looks at one picture; leave out --time-limit and --progressive",
               arguments.verify ? "--verify" : "--debug-view");
-  if (scene.stripsOf(arguments.frame).size() == 1) return;
-  const PictureSize size = arguments.frame.size;
-  fail(
-      "{} needs the whole picture of {} x {} in memory, and --memory {} has no room; give "
-      "--memory {}",
-      arguments.verify        ? "--verify"
-      : arguments.debug_view  ? "--debug-view"
-      : arguments.progressive ? "--progressive"
-                              : "--time-limit with levels of resolution",
-      size.width, size.height, formatBytes(scene.memory_bytes),
-      scene.memoryForWholePicture(arguments.frame));
 }
 
 }  // namespace sluice

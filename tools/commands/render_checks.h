@@ -59,7 +59,9 @@ bool reportsParts(const RenderArguments& arguments);
 bool isRefined(const RenderArguments& arguments, const Scene& scene);
 // Throws Error for options that a picture of several channels cannot have.
 void requireOneChannel(const RenderArguments& arguments, const Scene& scene);
-// Throws Error if options that look at a whole picture are given for one that is drawn in strips.
-void requireWholePicture(const RenderArguments& arguments, const Scene& scene);
+// Whether pictures may be drawn in strips: options that look at the whole picture need it whole.
+Strips stripsOf(const RenderArguments& arguments, Team* team);
+// Throws a usage error if options that look at one picture are given for a row that gets better.
+void requireOnePicture(const RenderArguments& arguments, const Scene& scene);
 
 }  // namespace sluice

@@ -201,6 +201,7 @@ int run(Arguments& arguments, CLI::App& app, Team* team) {
   const bool is_unasked = arguments.frame.cut && arguments.frame.cut->is_default;
   arguments.end = is_unasked ? RowEnd::kUnasked : RowEnd::kCut;
   arguments.frame.cut = cutOf(arguments, team);
+  arguments.frame.strips = stripsOf(arguments, team);
   checkLastStep(arguments);
   const Room room = arguments.annotate ? annotationRoom(arguments.frame.size) : Room{};
   FittedScene fitted = openFitted(arguments, saved, outputs, team, room);
@@ -232,7 +233,7 @@ int run(Arguments& arguments, CLI::App& app, Team* team) {
       job.warnings.push_back(std::move(note));
   if (is_first && !arguments.resources.quiet)
     for (const std::string& line : job.warnings) printWarning(line);
-  requireWholePicture(arguments, scene);
+  requireOnePicture(arguments, scene);
   return drawAndReport(job, fitted, room, app, team);
 }
 

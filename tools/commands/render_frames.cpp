@@ -225,7 +225,7 @@ std::vector<RefinedPicture> drawSample(const RenderJob& job) {
   if (!job.arguments.resources.quiet)
     for (const std::string& note : job.scene.standInNotes()) printWarning(note);
   FrameOptions options = drawingOptions(job);
-  requireWholePicture(job.arguments, job.scene);
+  requireOnePicture(job.arguments, job.scene);
   std::filesystem::path name = frameName(job.arguments, 0);
   // The time of a sample's row is over at once, so that it ends with its first picture.
   return drawRow(job, options, {job.began, job.began}, name).pictures;

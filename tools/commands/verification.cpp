@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "src/library/drawing/scene/added_pictures.h"
+#include "src/library/drawing/scene/resources.h"
 #include "src/library/drawing/scene/shared_world.h"
 #include "src/library/opening/shown_channels.h"
 #include "src/library/opening/step_ranges.h"
@@ -42,18 +43,24 @@ class EveryBlock : public BlockChooser {
 };
 
 // The volume as if nothing was known of it, in blocks of another size than the scene's.
+// The bytes of the pictures in the memory of a session of the layer: those of all layers, or of
+// this one, whose share of the memory it has.
+uint64_t picturesBytes(const Scene& scene, const Layer& layer) {
+  return (scene.blends() ? 1 : scene.layers().size()) * layer.part_bytes;
+}
+
+// `pictures_bytes`: those of the pictures, in addition to the volume.
 IndexedVolume openAnew(const Layer& layer, ChannelSource opened, const VerifiedView& view,
-                       const IndexPass& pass) {
+                       uint64_t pictures_bytes, const IndexPass& pass) {
   MachineOptions machine = view.resources;
   machine.memory_bytes = memoryBudget(layer.machine);
-  const int64_t size = layer.volume.layout.size;
-  // Other blocks have other borders, so that a fault there shows as a difference.
-  machine.block = size > 16 ? size / 2 : size * 2;
+  machine.block = comparedBlock(layer.volume.layout.size);
   machine.pages.reset();  // they need not hold a block of that size
   const IndexNeeds needs{.gradients = layer.volume.needs.gradients};
   IndexedVolume volume = indexVolume(std::move(opened.source), opened.arguments, machine, needs,
                                      {.disabled = true}, pass);
   volume.channel = std::move(opened.channel);
+  volume.page.pages = pageCount(machine, volume, volume.rangesBytes() + pictures_bytes);
   return volume;
 }
 
@@ -73,7 +80,8 @@ std::vector<IndexedVolume> openAnew(const Scene& scene, const VerifiedView& view
   SLUICE_CHECK_EQ(opened.size(), layers.size());
   std::vector<IndexedVolume> volumes;
   for (size_t i = 0; i < layers.size(); ++i)
-    volumes.push_back(openAnew(*layers[i], std::move(opened[i]), view, pass));
+    volumes.push_back(
+        openAnew(*layers[i], std::move(opened[i]), view, picturesBytes(scene, *layers[i]), pass));
   if (!scene.blends()) return volumes;
   std::vector<std::pair<const IndexedVolume*, PageGeometry*>> pages;
   pages.reserve(volumes.size());
@@ -196,7 +204,7 @@ Picture plainPicture(Scene& scene, const VerifiedView& view, const FrameOptions&
     SessionOptions session =
         sessionOptions(volumes[i], layer.look.lit, view.resources, Partition::kBlocks,
                        scene.blends() ? memoryBudget(layer.machine) : scene.memory_bytes);
-    session.beside_bytes += layers.size() * layer.part_bytes;
+    session.beside_bytes += picturesBytes(scene, layer);
     auto plain = std::make_unique<Session>(stepOf(volumes[i], layer, view.time, pass),
                                            *scene.device, scene.pool, session);
     plain->setTransferFunction(layer.look.transfer);

@@ -9,6 +9,7 @@
 #include "src/library/drawing/scene/shared_world.h"
 #include "src/library/opening/channel_looks.h"
 #include "src/render/blocks/cut/cut_rules.h"
+#include "src/render/light/arriving_light.h"
 #include "tools/command_line/console.h"
 #include "tools/command_line/environment.h"
 #include "tools/command_line/interrupt.h"
@@ -25,18 +26,35 @@ ProgressWatch indexingLine(const ResourceArguments& resources) {
 // Reads or builds the index of a channel; `machine` has the size of its blocks. `said`: notes that
 // were printed; the channel's others are printed and added.
 IndexedVolume indexed(ChannelSource opened, const ResourceArguments& resources,
-                      const MachineOptions& machine, const IndexNeeds& needs, WorkerPool& pool,
+                      const MachineOptions& machine, const IndexNeeds& needs,
+                      const ExpectedPictures& pictures, WorkerPool& pool,
                       std::vector<std::string>& said) {
   ProgressMeter progress(indexingLine(resources));
   IndexPass pass = passOf(pool, progress, resources);
   if (!resources.quiet) pass.announce = printNotice;
   pass.together = opened.together;
+  pass.pictures = pictures;
   IndexedVolume volume = indexVolume(std::move(opened.source), opened.arguments, machine, needs,
                                      indexWish(resources.index_dir), pass);
   volume.channel = std::move(opened.channel);
   std::ranges::move(opened.notes, std::back_inserter(volume.notes));
   if (!resources.quiet) printNewWarnings(volume.notes, said);
   return volume;
+}
+
+ExpectedPictures expectedPictures(const std::vector<ChannelSource>& channels,
+                                  const LookArguments& look, const FrameOptions& frame,
+                                  const ResourceArguments& resources, WorkerPool& pool) {
+  ExpectedPictures pictures{.picture_bytes = leastPictureBytes(pictureDemand(resources, frame)),
+                            .grows_boxes = frame.partition == Partition::kBoxes,
+                            .is_compared = frame.strips == Strips::kNever,
+                            .judges_surfaces = !look.surfaces.empty(),
+                            .pages = resources.pages.value_or(0)};
+  if (frame.lighting.looksAround())
+    for (const ChannelSource& channel : channels)
+      pictures.light_bytes =
+          std::max(pictures.light_bytes, lightBytes(channel.source->layout(), pool.threads()));
+  return pictures;
 }
 
 // Whether frames may blend the channels, as far as is known before their values are read, see
@@ -65,13 +83,13 @@ IndexedVolume openIndexed(const VolumeArguments& arguments, const ResourceArgume
   ChannelSource opened = openChannel(arguments);
   outputs.check(opened.source->files());
   std::vector<std::string> said;
-  return indexed(std::move(opened), resources, resources, needs, pool, said);
+  return indexed(std::move(opened), resources, resources, needs, {}, pool, said);
 }
 
 IndexedVolume openIndexed(const VolumeArguments& arguments, const ResourceArguments& resources,
                           const IndexNeeds& needs, WorkerPool& pool,
                           std::vector<std::string>& said) {
-  return indexed(openChannel(arguments), resources, resources, needs, pool, said);
+  return indexed(openChannel(arguments), resources, resources, needs, {}, pool, said);
 }
 
 std::vector<IndexedVolume> openIndexedChannels(const VolumeArguments& arguments,
@@ -104,11 +122,13 @@ std::vector<IndexedVolume> openIndexedChannels(const VolumeArguments& arguments,
     if (blends && std::ranges::any_of(needs, &IndexNeeds::gradients))
       for (IndexNeeds& each : needs) each.gradients = true;
     const VolumeLayout first = opened.front().source->layout();
+    const ExpectedPictures expected = expectedPictures(opened, look, pictures, resources, pool);
     std::vector<IndexedVolume> volumes;
     for (size_t i = 0; i < opened.size(); ++i) {
       const MachineOptions machine =
           withBlocksOfFirst(resources, opened[i].source->layout(), first);
-      volumes.push_back(indexed(std::move(opened[i]), resources, machine, needs[i], pool, said));
+      volumes.push_back(
+          indexed(std::move(opened[i]), resources, machine, needs[i], expected, pool, said));
     }
     return volumes;
   };

@@ -73,12 +73,23 @@ struct IndexedVolume {
   ValueRange finiteRange() const;
 };
 
+// What is known of the pictures before the volume is: for a budget that suffices for them.
+struct ExpectedPictures {
+  uint64_t picture_bytes = 0;    // of one, at least; 0: nothing is known of its size
+  uint64_t light_bytes = 0;      // of light that looks around
+  bool grows_boxes = false;      // Partition::kBoxes
+  bool is_compared = false;      // with one in other blocks (comparingBytes())
+  bool judges_surfaces = false;  // of several levels
+  int64_t pages = 0;             // of the texture cache, as the user says; 0: the least
+};
+
 // The pass over the voxels if an index is missing.
 struct IndexPass : VolumePass {
   // Told beforehand what will be written in addition to the index, and how large it is; may be
   // null.
   std::function<void(const std::string& line)> announce = {};
   LayersTogether together = {};  // the layers that the volume is drawn with
+  ExpectedPictures pictures = {};
 };
 
 // Reads or builds the index of the step, or of all steps. `source` belongs to `arguments`. Throws

@@ -184,11 +184,16 @@ std::vector<ChannelSource> drawnTogether(std::vector<ChannelSource> channels) {
   const auto voxelsOf = [](const ChannelSource& channel) {
     return static_cast<double>(volume(channel.source->layout().dims));
   };
+  const auto bytesOf = [](const ChannelSource& channel) {
+    return static_cast<double>(bytesPerVoxel(deviceMap(channel.source->layout()).type));
+  };
   for (ChannelSource& channel : channels) {
     LayersTogether& together = channel.together;
     together.count = channels.size();
     for (const ChannelSource& other : channels) {
       together.larger = std::max(together.larger, voxelsOf(other) / voxelsOf(channel));
+      together.wider = std::max(together.wider, bytesOf(other) / bytesOf(channel));
+      together.have_levels |= !coarserLevels(*other.source).empty();
       together.thread_bytes = std::max(together.thread_bytes, other.source->heldBytesAThread());
     }
   }

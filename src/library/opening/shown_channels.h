@@ -17,7 +17,9 @@ namespace sluice {
 struct LayersTogether {
   size_t count = 1;
   double larger = 1;          // voxels of the largest one, in those of this one
+  double wider = 1;           // bytes of a voxel of the widest one, in those of this one
   uint64_t thread_bytes = 0;  // the most that a source of them keeps decoded while a thread reads
+  bool have_levels = false;   // one of them or more
 };
 
 // A channel that a picture shows, or the volume that it shows over the first one. A plain value;

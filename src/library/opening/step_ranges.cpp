@@ -1,31 +1,64 @@
 #include "src/library/opening/step_ranges.h"
 
 #include <algorithm>
+#include <functional>
 #include <utility>
 
+#include "src/index/first_pass.h"
 #include "src/library/drawing/scene/resources.h"
 #include "src/library/opening/levels/side_levels.h"
 
 namespace sluice {
 namespace {
 
+const CoarserLevel& levelAt(const IndexedVolume& volume, int level) {
+  return coarserLevels(*volume.source)[static_cast<size_t>(level) - 1];
+}
+
+// The levels to be made in the pass over the voxels.
+enum class MakesLevels { kNo, kYes };
+
+// The budgets for the volume at all its levels, of which a pass is refused.
+std::function<PassBudgets(const PassNeeds&)> budgetsOf(const IndexedVolume& volume, int64_t time,
+                                                       const IndexPass& pass, MakesLevels makes) {
+  return [&volume, time, &pass, makes](const PassNeeds& refused) {
+    PassNeeds all = refused;
+    const auto add = [&](const PassNeeds& level) {
+      all.array_bytes += level.array_bytes;
+      all.least_bytes = std::max(all.least_bytes, level.least_bytes);
+    };
+    if (!volume.coarser.empty()) {
+      all.array_bytes = 0;
+      // Levels finer than the stand-in are not read.
+      if (volume.stand_in_level == 0) add(firstPassNeeds(*volume.source, time, volume.layout));
+      for (int level = std::max(1, volume.stand_in_level);
+           level <= static_cast<int>(volume.coarser.size()); ++level)
+        add(firstPassNeeds(*levelAt(volume, level).source, time,
+                           volume.pyramid->level(level).blocks));
+    }
+    // Coarser levels halve at least one axis each time.
+    if (makes == MakesLevels::kYes) all.array_bytes *= 2;
+    constexpr double kMost = 0x1p62;
+    if (all.array_bytes >= kMost) return PassBudgets{all.least_bytes, 0};
+    const bool has_levels = makes == MakesLevels::kYes || !volume.coarser.empty();
+    return PassBudgets{all.least_bytes,
+                       static_cast<double>(enoughToDraw(volume, pass, has_levels,
+                                                        static_cast<uint64_t>(all.array_bytes)))};
+  };
+}
+
 // `side`: the levels to be made in the same pass; null: none.
 IndexedRanges passedRanges(const IndexedVolume& volume, int64_t time, const IndexPass& pass,
                            const SideLevels* side) {
   VolumePass within = pass;
   if (side != nullptr) within.memory_bytes -= side->heldBytes();
-  within.enough_to_draw = [&](uint64_t array_bytes) {
-    return enoughToDraw(volume, pass.together, array_bytes);
-  };
+  within.budgets =
+      budgetsOf(volume, time, pass, side == nullptr ? MakesLevels::kNo : MakesLevels::kYes);
   // The first opening reads everything, and nothing else is in memory then.
   volume.source->holdAtMost(
       std::min(within.memory_bytes / 4, volume.source->passReads().most_bytes));
   return indexedRanges(*volume.source, volume.places, time, volume.layout, within,
                        side == nullptr ? nullptr : side->taker());
-}
-
-const CoarserLevel& levelAt(const IndexedVolume& volume, int level) {
-  return coarserLevels(*volume.source)[static_cast<size_t>(level) - 1];
 }
 
 bool needsIndex(const CoarserLevel& level) {
@@ -37,8 +70,10 @@ std::shared_ptr<const IndexedRanges> indexOfLevel(const IndexedVolume& volume, i
   IndexPlaces places = volume.places;
   // A sample is never the same again.
   if (volume.sample && level == volume.pyramid->levels() - 1) places.disabled = true;
+  VolumePass within = pass;
+  within.budgets = budgetsOf(volume, time, pass, MakesLevels::kNo);
   return std::make_shared<const IndexedRanges>(indexedRanges(
-      *levelAt(volume, level).source, places, time, volume.pyramid->level(level).blocks, pass));
+      *levelAt(volume, level).source, places, time, volume.pyramid->level(level).blocks, within));
 }
 
 // The same if it is kept, without reading the level; otherwise null.
@@ -152,6 +187,7 @@ void passOverCoarsest(const IndexedVolume& volume, VolumeSource& coarsest, const
   // The ranges are not needed here: the pass is for the levels that are made in it.
   VolumePass within = pass;
   within.memory_bytes -= side.heldBytes();
+  within.budgets = budgetsOf(volume, volume.time, pass, MakesLevels::kYes);
   indexedRanges(coarsest, volume.places, volume.time, blocks, within, side.taker());
 }
 

@@ -48,12 +48,20 @@ enum class Skipping {
   kLeaps,
 };
 
+// Whether a picture that is too large for its share of the memory may be drawn in strips.
+enum class Strips {
+  kMayBe,
+  kUnlessRefined,  // not if it is a row of pictures that get better
+  kNever,          // whoever draws it looks at the whole picture
+};
+
 // Opaque enough to leave out everything behind (Li 2003, section 4.1).
 inline constexpr double kDefaultOpaque = 0.95;
 
 struct FrameOptions {
   Camera camera;
   PictureSize size;
+  Strips strips = Strips::kMayBe;
   double step_vox = 1;  // between slices, in units of the finest spacing
   Mode mode = Mode::kComposite;
   // How far the rays lie beside the middles of the pixels, in pixels to the right and up.

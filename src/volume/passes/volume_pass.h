@@ -11,15 +11,25 @@
 
 namespace sluice {
 
+// The memory of a pass that is refused, and the budgets that the refusal names for all of the
+// volume.
+struct PassNeeds {
+  double array_bytes = 0;  // of min-max arrays, which stay in memory
+  double least_bytes = 0;  // with which the pass is made
+};
+struct PassBudgets {
+  double look_bytes = 0;  // at least those of the pass
+  double draw_bytes = 0;  // whatever a picture shows
+};
+
 // Refers to the caller's pool and meter, which must outlive the pass.
 struct VolumePass {
   WorkerPool& pool;
   ProgressMeter& progress;             // its total grows by the bytes that the pass reads
   uint64_t memory_bytes = UINT64_MAX;  // limit for all threads together
   StopToken stop = {};                 // ends the pass with Interrupted
-  // The bytes that are enough to draw the volume, if it has so many of min-max arrays; named if the
-  // limit does not even suffice for the pass. May be null.
-  std::function<uint64_t(uint64_t array_bytes)> enough_to_draw = {};
+  // Asked if the limit does not even suffice for the pass; null: the least of the pass is named.
+  std::function<PassBudgets(const PassNeeds& needs)> budgets = {};
 };
 
 }  // namespace sluice

@@ -26,7 +26,9 @@ PictureDemand pictureDemand(const MachineOptions& machine, const FrameOptions& f
   // Without a request by name, OpenGL runs on a GPU, whose targets are in its own memory.
   const bool in_gl =
       machine.device.device == DeviceChoice::kGl || machine.device.gl != GlChoice::kAuto;
-  return {frame.size, in_gl ? kGlPixelBytes : kCpuPixelBytes, frame.occlusion == Occlusion::kOff};
+  const bool is_kept = frame.strips != Strips::kMayBe;
+  return {frame.size, (in_gl ? kGlPixelBytes : kCpuPixelBytes) + (is_kept ? kKeptPixelBytes : 0),
+          frame.occlusion == Occlusion::kOff && !is_kept};
 }
 
 uint64_t wholePictureBytes(const PictureDemand& picture) {
@@ -44,10 +46,6 @@ uint64_t leastPictureBytes(const PictureDemand& picture) {
 uint64_t pictureBytes(const PictureDemand& picture, uint64_t memory_bytes) {
   return std::clamp(memory_bytes / kPictureShare, leastPictureBytes(picture),
                     wholePictureBytes(picture));
-}
-
-uint64_t memoryOfWholePicture(const PictureDemand& picture) {
-  return kPictureShare * wholePictureBytes(picture);
 }
 
 std::vector<PictureRows> stripsOf(const PictureDemand& picture, uint64_t bytes) {

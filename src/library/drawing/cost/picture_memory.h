@@ -15,6 +15,8 @@ namespace sluice {
 // the picture with its depths. OpenGL in memory has two float targets and their copies, too.
 inline constexpr uint64_t kCpuPixelBytes = (6 + 5) * sizeof(float);
 inline constexpr uint64_t kGlPixelBytes = 68;
+// Bytes of a pixel of a whole picture that is looked at while another is drawn: colours and depth.
+inline constexpr uint64_t kKeptPixelBytes = 5 * sizeof(float);
 // Bytes of a pixel on the first rank, if several ranks compose the picture: colours and depth.
 inline constexpr uint64_t kComposedPixelBytes = 5 * sizeof(float);
 // Pixels of a few rows on their way to a file, and the bytes of each.
@@ -28,7 +30,8 @@ struct PictureDemand {
   bool in_strips = true;  // some of its rows may be drawn by themselves
 };
 // With occlusion a picture is drawn whole: the opacity maps of a strip differ from those of the
-// picture, and so do the rays that end early.
+// picture, and so do the rays that end early. A picture that is kept whole while others are drawn
+// is counted beside these.
 PictureDemand pictureDemand(const MachineOptions& machine, const FrameOptions& frame);
 
 // Bytes of the whole picture, with the rows that are being written.
@@ -38,8 +41,6 @@ uint64_t leastPictureBytes(const PictureDemand& picture);
 // Bytes of the whole picture, or a quarter of `memory_bytes` if that is less, but at least
 // leastPictureBytes().
 uint64_t pictureBytes(const PictureDemand& picture, uint64_t memory_bytes);
-// The least memory of which pictureBytes() are those of the whole picture.
-uint64_t memoryOfWholePicture(const PictureDemand& picture);
 
 // Strips from the top of the picture down, each of at most `bytes`; one strip if the whole picture
 // fits. Requires: bytes >= leastPictureBytes().

@@ -9,8 +9,11 @@
 #include "src/base/threads/clock.h"
 #include "src/base/values/bytes.h"
 #include "src/classify/blocks/classification.h"
+#include "src/index/volume_boxes.h"
 #include "src/library/drawing/scene/shared_world.h"
+#include "src/library/opening/levels/volume_sample.h"
 #include "src/render/blocks/look.h"
+#include "src/render/blocks/losses/lost_surfaces.h"
 #include "src/render/blocks/losses/spread_tally.h"
 #include "src/volume/block_side.h"
 #include "src/volume/ranges/learnt_ranges.h"
@@ -57,14 +60,21 @@ int64_t defaultPages(const PageGeometry& page, const BufferNeeds& needs, Vec3i d
 // With surfaces, LostTally notes about 60 more.
 constexpr uint64_t kPlannedBlockBytes = 1000;
 
+uint64_t blockBytes(const IndexedVolume& volume) {
+  const int64_t side = volume.layout.size;
+  return static_cast<uint64_t>(sluice::volume({side, side, side})) * bytesPerVoxel(volume.map.type);
+}
+
 // The most blocks that a cut may hold at once, whatever the view.
 uint64_t blocksOfCut(const IndexedVolume& volume, const CutOptions& cut) {
   if (cut.level && *cut.level < volume.pyramid->levels())
     return static_cast<uint64_t>(volume.pyramid->level(*cut.level).blocks.blockCount());
-  const int64_t side = volume.layout.size;
-  const uint64_t block_bytes =
-      static_cast<uint64_t>(sluice::volume({side, side, side})) * bytesPerVoxel(volume.map.type);
-  return cut.most_held_bytes / block_bytes + 1;
+  return cut.most_held_bytes / blockBytes(volume) + 1;
+}
+
+// The least and the greatest value of a block and of each of its planes.
+uint64_t rangeBytesOfBlock(const BlockLayout& layout, DeviceType type) {
+  return 2 * bytesPerVoxel(type) * (1 + 3 * static_cast<uint64_t>(layout.planes()));
 }
 
 // The spreads of coarse blocks that were read, of which each step has its own.
@@ -83,9 +93,9 @@ uint64_t spreadBytes(const IndexedVolume& volume) {
 uint64_t learntBytes(const IndexedVolume& volume) {
   const SliceRanges& ranges = volume.index->ranges;
   if (ranges.unknown.empty()) return 0;
-  const uint64_t block =
-      (1 + 3 * static_cast<uint64_t>(ranges.layout.planes())) * 2 * bytesPerVoxel(ranges.map.type);
-  const uint64_t noted = std::min(ranges.unknown.size() * block, LearntRanges::kMostBytes);
+  const uint64_t noted =
+      std::min(ranges.unknown.size() * rangeBytesOfBlock(ranges.layout, ranges.map.type),
+               LearntRanges::kMostBytes);
   return 3 * noted + 2 * ranges.bytes();
 }
 
@@ -114,11 +124,8 @@ MachineOptions withBlocksOfFirst(MachineOptions machine, const VolumeLayout& own
 
 std::string smallBlocksNote(const IndexedVolume& volume) {
   const VolumeLayout& layout = volume.source->layout();
-  const uint64_t value_bytes = bytesPerVoxel(volume.map.type);
-  // The least and the greatest value of a block and of each of its planes.
   const uint64_t block_bytes =
-      kPlannedBlockBytes + sizeof(int64_t) +
-      2 * value_bytes * (1 + 3 * static_cast<uint64_t>(volume.layout.planes()));
+      kPlannedBlockBytes + sizeof(int64_t) + rangeBytesOfBlock(volume.layout, volume.map.type);
   const auto blocks = static_cast<uint64_t>(volume.layout.blockCount());
   const auto voxel_bytes =
       static_cast<uint64_t>(sluice::volume(layout.dims)) * bytesPerVoxel(layout.type);
@@ -159,28 +166,97 @@ uint64_t planBytes(const IndexedVolume& volume, const TransferFunction& transfer
   return blocks * kPlannedBlockBytes + spreadBytes(volume) + learntBytes(volume);
 }
 
-uint64_t enoughToDraw(const IndexedVolume& volume, const LayersTogether& together,
-                      uint64_t array_bytes) {
-  const VolumeLayout& layout = volume.source->layout();
+namespace {
+
+// The most that a source of the volume or of its levels keeps decoded while a thread reads.
+uint64_t sourceThreadBytes(const IndexedVolume& volume) {
+  uint64_t most = volume.source->heldBytesAThread();
+  for (const CoarserLevel& level : coarserLevels(*volume.source)) {
+    most = std::max(most, level.source->heldBytesAThread());
+    if (level.spreads != nullptr) most = std::max(most, level.spreads->heldBytesAThread());
+  }
+  return most;
+}
+
+// At most what pictures keep of the values of all blocks: the min-max arrays of `array_bytes` with
+// those of the step after it (othersBytes()), and what they note.
+uint64_t mostRangesBytes(const IndexedVolume& volume, uint64_t array_bytes, bool has_levels,
+                         bool is_compared) {
   const auto blocks = static_cast<uint64_t>(volume.layout.blockCount());
-  // A series has the next step's plan, too.
-  const uint64_t plans = (layout.time_steps > 1 ? 2 : 1) * blocks * kPlannedBlockBytes;
-  const auto ofLargest = [&](uint64_t bytes) {
-    return static_cast<uint64_t>(std::ceil(together.larger * static_cast<double>(bytes)));
+  uint64_t bytes = (volume.source->layout().time_steps > 1 ? 3 : 1) * array_bytes;
+  // Coarse blocks note their spreads.
+  if (has_levels) bytes += std::min(blocks, SpreadTally::kMostBlocks) * SpreadTally::kBlockBytes;
+  // The stand-in for the finest level has the reach of its spreads, too, and pictures learn the
+  // ranges of the finest level.
+  if (volume.stand_in_level > 0)
+    bytes +=
+        2 * array_bytes + 3 * (blocks * sizeof(int64_t) +
+                               std::min(blocks * rangeBytesOfBlock(volume.layout, volume.map.type),
+                                        LearntRanges::kMostBytes));
+  // Blocks of half the size have about twice as many planes, with borders.
+  return is_compared ? bytes + 3 * array_bytes : bytes;
+}
+
+}  // namespace
+
+uint64_t enoughToDraw(const IndexedVolume& volume, const IndexPass& pass, bool has_levels,
+                      uint64_t array_bytes) {
+  const LayersTogether& together = pass.together;
+  const ExpectedPictures& pictures = pass.pictures;
+  has_levels = has_levels || together.have_levels;
+  const auto times = [](double factor, uint64_t bytes) {
+    return static_cast<uint64_t>(std::ceil(factor * static_cast<double>(bytes)));
   };
-  const BufferNeeds needs{
-      .block_vox = blockSide(volume.layout, layout.levels),
-      .source_thread_bytes = std::max(volume.source->heldBytesAThread(), together.thread_bytes),
-      .beside_bytes = ofLargest(array_bytes + plans + spreadBytes(volume)) +
-                      leastPictureBytes({.size = {kEnoughSide, kEnoughSide},
-                                         .pixel_bytes = std::max(kCpuPixelBytes, kGlPixelBytes)}),
-      .numbers = volume.numbers()};
+  const uint64_t strip_bytes = leastPictureBytes(
+      {.size = {kEnoughSide, kEnoughSide}, .pixel_bytes = std::max(kCpuPixelBytes, kGlPixelBytes)});
+  uint64_t beside_bytes = times(together.larger, mostRangesBytes(volume, array_bytes, has_levels,
+                                                                 pictures.is_compared)) +
+                          std::max(strip_bytes, pictures.picture_bytes) + pictures.light_bytes;
+  if (pictures.judges_surfaces && has_levels)
+    beside_bytes += static_cast<uint64_t>(pass.pool.threads()) * judgingBytes(volume.layout.size);
+  BufferNeeds needs{
+      .block_vox = blockSide(volume.layout, has_levels ? 2 : 1),
+      .source_thread_bytes = std::max(sourceThreadBytes(volume), together.thread_bytes),
+      .numbers = has_levels ? 2 : 1};
+  if (pictures.is_compared)
+    needs.block_vox = std::max(needs.block_vox, comparedBlock(volume.layout.size));
+  if (pictures.grows_boxes)
+    needs.growing_bytes = growingBytes(volume.source->layout(), volume.layout);
   PageGeometry page = volume.page;
-  page.pages = leastPages(page, needs);
-  // All of them share the memory evenly.
-  return together.count * (std::max(textureMemoryBytes(page, TexelPlace::kInMemory),
-                                    textureMemoryBytes(page, TexelPlace::kBorrowed)) +
-                           leastBufferBytes(page, needs));
+  page.pages = std::max(leastPages(page, needs), pictures.pages);
+  uint64_t of_one =
+      times(together.wider, std::max(textureMemoryBytes(page, TexelPlace::kInMemory),
+                                     textureMemoryBytes(page, TexelPlace::kBorrowed)) +
+                                leastBufferBytes(page, needs)) +
+      beside_bytes;
+  // A series has the next step's plan, too. A picture of several levels plans no more blocks than
+  // half of the memory holds: this share of it.
+  uint64_t plans = (volume.source->layout().time_steps > 1 ? 2 : 1) * kPlannedBlockBytes *
+                   static_cast<uint64_t>(volume.layout.blockCount());
+  const double share = kPlannedBlockBytes / (2.0 * static_cast<double>(blockBytes(volume)));
+  if (volume.stand_in_level > 0 && share < 0.5) plans = std::min(plans, times(2 * share, of_one));
+  of_one += times(together.larger, plans);
+  // All of them share the memory evenly, and a sample grows with it.
+  const uint64_t enough = together.count * of_one;
+  return volume.sample ? enough + enough / (kSampleMemoryShare - 1) : enough;
+}
+
+uint64_t comparingBytes(const IndexedVolume& volume) {
+  const BlockLayout& own = volume.layout;
+  const BlockLayout other =
+      blockLayout(own.dims, comparedBlock(own.size), std::min(own.ghost, 1), volume.name.c_str());
+  const SliceRanges& ranges = volume.index->ranges;
+  const uint64_t held = ranges.blocks.size() + ranges.unknown.size();
+  const uint64_t arrays = held * (other.size < own.size ? 8 : 1) *
+                          (sizeof(int64_t) + rangeBytesOfBlock(other, ranges.map.type));
+  const auto bufferBytes = [&](int64_t side) {
+    BufferNeeds needs = needsOf(volume.step(), Partition::kBlocks, 0);
+    needs.block_vox = side;
+    PageGeometry page = volume.page;
+    page.pages = leastPages(page, needs);
+    return textureMemoryBytes(page, TexelPlace::kInMemory) + leastBufferBytes(page, needs);
+  };
+  return arrays + bufferBytes(std::max(own.size, other.size)) - bufferBytes(own.size);
 }
 
 BesideShare besideShare(const IndexedVolume& volume, const MachineOptions& machine,
@@ -199,18 +275,6 @@ BesideShare besideShare(const IndexedVolume& volume, const MachineOptions& machi
       break;
   }
   return share;
-}
-
-uint64_t leastForWholePicture(const IndexedVolume& volume, MachineOptions machine,
-                              Partition partition, const PictureDemand& picture,
-                              uint64_t others_bytes) {
-  const uint64_t beside_bytes = others_bytes + wholePictureBytes(picture);
-  machine.memory_bytes = 1;  // for the fewest pages
-  PageGeometry page = volume.page;
-  page.pages = pageCount(machine, volume, beside_bytes);
-  const BufferNeeds needs = needsOf(volume.step(), partition, beside_bytes);
-  return std::max(memoryOfWholePicture(picture),
-                  textureMemoryBytes(page, TexelPlace::kInMemory) + leastBufferBytes(page, needs));
 }
 
 SessionOptions sessionOptions(const IndexedVolume& volume, bool lit, const MachineOptions& machine,

@@ -52,10 +52,18 @@ uint64_t planBytes(const IndexedVolume& volume, const TransferFunction& transfer
 // The widest picture for which enoughToDraw() is enough: wider ones have larger strips.
 inline constexpr int kEnoughSide = 4096;
 // The memory with which a picture of a channel and of those that are drawn with it is drawn,
-// whatever it shows, if the channel's min-max arrays take `array_bytes`. For a volume that is not
-// indexed yet.
-uint64_t enoughToDraw(const IndexedVolume& volume, const LayersTogether& together,
+// whatever it shows, if the channel's min-max arrays take `array_bytes` at all levels together. For
+// a volume that is not indexed yet. `has_levels`: it has several or gets them.
+uint64_t enoughToDraw(const IndexedVolume& volume, const IndexPass& pass, bool has_levels,
                       uint64_t array_bytes);
+
+// The size of the blocks in which a picture is drawn again to compare it: other blocks have other
+// borders, so that a fault there shows as a difference.
+constexpr int64_t comparedBlock(int64_t block) {
+  return block > 16 ? block / 2 : block * 2;
+}
+// The bytes that a volume in such blocks takes beyond those that it takes in its own.
+uint64_t comparingBytes(const IndexedVolume& volume);
 
 // The bytes held in addition to the levels, and the pages of the texture cache that they leave room
 // for.
@@ -67,11 +75,6 @@ struct BesideShare {
 // memory if the levels then have the least that they work with, otherwise the least strip.
 BesideShare besideShare(const IndexedVolume& volume, const MachineOptions& machine,
                         Partition partition, const PictureDemand& picture, uint64_t others_bytes);
-// The least memory of which besideShare() leaves the picture whole.
-uint64_t leastForWholePicture(const IndexedVolume& volume, MachineOptions machine,
-                              Partition partition, const PictureDemand& picture,
-                              uint64_t others_bytes);
-
 // `lit`: frames may be shaded, the volume was indexed with gradients.
 SessionOptions sessionOptions(const IndexedVolume& volume, bool lit, const MachineOptions& machine,
                               Partition partition, uint64_t memory_bytes);

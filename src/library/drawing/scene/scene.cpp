@@ -12,6 +12,7 @@
 #include "src/base/values/bytes.h"
 #include "src/library/drawing/empty_picture.h"
 #include "src/library/drawing/files/channel_traces.h"
+#include "src/library/drawing/scene/refined_frame.h"
 #include "src/library/opening/channel_looks.h"
 #include "src/options/option_words.h"
 #include "src/render/blocks/cut/cut_rules.h"
@@ -215,22 +216,18 @@ bool Scene::integrates(const FrameOptions& options) const {
   return !blends() && integratesSamples(options, {&volume, &look.transfer});
 }
 
+PictureDemand Scene::demandOf(const FrameOptions& frame) const {
+  FrameOptions own = frame;
+  if (own.strips == Strips::kUnlessRefined && !canRefine(*this, own)) own.strips = Strips::kMayBe;
+  return pictureDemand(machine, own);
+}
+
 std::vector<PictureRows> Scene::stripsOf(const FrameOptions& frame) const {
   if (share) return {{0, frame.size.height}};
-  const PictureDemand picture = pictureDemand(machine, frame);
+  const PictureDemand picture = demandOf(frame);
   return sluice::stripsOf(picture, part_bytes >= leastPictureBytes(picture)
                                        ? part_bytes
                                        : pictureBytes(picture, memory_bytes));
-}
-
-uint64_t Scene::memoryForWholePicture(const FrameOptions& frame) const {
-  uint64_t most = 0;  // of a layer, which all share the memory in equal parts
-  for (const Layer* layer : layers())
-    most = std::max(most, leastForWholePicture(layer->volume, layer->machine, frame.partition,
-                                               pictureDemand(machine, frame),
-                                               // Without the part that strips take now.
-                                               layer->beside_bytes - layer->part_bytes));
-  return layers().size() * most;
 }
 
 SceneFrame Scene::draw(const std::vector<PictureRows>& strips,

@@ -153,8 +153,6 @@ struct Scene : Layer {
   // blocks that it shows. A single strip if pictures are drawn whole, as those of several ranks
   // are, which exchange parts of the whole.
   std::vector<PictureRows> stripsOf(const FrameOptions& frame) const;
-  // The least memory with which such frames are one strip.
-  uint64_t memoryForWholePicture(const FrameOptions& frame) const;
   // Draws the next frame of the session and gives its rows to `take`, from the top down; the pixels
   // are the same in strips and whole. With several ranks, all call it and rank 0 gets the picture.
   // Throws Error, Interrupted and the errors of `take`; the device draws whole pictures again
@@ -238,6 +236,8 @@ struct Scene : Layer {
   // Makes the layer's share of what these ranks draw.
   void shareAmong(Team& team, std::shared_ptr<const LentBoxes> lent, Layer& layer,
                   const FrameOptions& frame);
+  // The memory that a picture takes, whole or in strips.
+  PictureDemand demandOf(const FrameOptions& frame) const;
   // The shares of the layers if all of them had so much memory together.
   std::vector<BesideShare> sharesOf(const FrameOptions& frame, const MoreBytes& more_bytes,
                                     uint64_t of_memory) const;

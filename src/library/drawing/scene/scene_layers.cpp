@@ -90,7 +90,7 @@ std::vector<BesideShare> Scene::sharesOf(const FrameOptions& frame, const MoreBy
   FrameOptions of_all = frame;
   const uint64_t ranks = share ? static_cast<uint64_t>(share->team().ranks()) : 1;
   of_all.cut = cutAt(frame.cut, of_memory, memory_bytes, ranks);
-  const PictureDemand picture = pictureDemand(machine, frame);
+  const PictureDemand picture = demandOf(frame);
   const uint64_t more = more_bytes(of_memory);
   std::vector<BesideShare> shares;
   std::vector<PageGeometry> pages;
@@ -100,7 +100,8 @@ std::vector<BesideShare> Scene::sharesOf(const FrameOptions& frame, const MoreBy
     own_machine.memory_bytes = std::max<uint64_t>(1, of_memory / layers().size());
     const FrameOptions own = optionsOf(*layer, of_all);
     const IndexedVolume& of = layer->volume;
-    const uint64_t others_bytes = othersBytes(of, layer->look.transfer, own, pool) + more;
+    const uint64_t others_bytes = othersBytes(of, layer->look.transfer, own, pool) + more +
+                                  (frame.strips == Strips::kNever ? comparingBytes(of) : 0);
     BesideShare beside = besideShare(of, own_machine, own.partition, picture, others_bytes);
     if (layer->share) {
       const uint64_t part_bytes =

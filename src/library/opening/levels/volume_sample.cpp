@@ -33,8 +33,6 @@ constexpr int64_t kMostReadBytes = int64_t{4} << 20;
 constexpr int64_t kLeastGapBytes = int64_t{64} << 10;
 constexpr int64_t kRowsATask = 16;
 
-constexpr int64_t kSamplesShare = 8;  // of the memory
-
 // The points of the grid along an axis.
 struct AxisGrid {
   int64_t step = 1, first = 0, count = 0;
@@ -96,7 +94,7 @@ class Sampler {
         layout_(request.source.layout()),
         voxel_bytes_(static_cast<int64_t>(bytesPerVoxel(layout_.type))),
         units_(readUnits(request.source)),
-        most_bytes_(request.memory_bytes / kSamplesShare),
+        most_bytes_(request.memory_bytes / kSampleMemoryShare),
         grid_(finestGrid(layout_, most_bytes_)) {
     // Threads that only wait for a disk cost nothing; those that decode are as many as processors.
     if (request.source.heldBytesAThread() == 0 && !units_.is_one_stream) readers_.emplace(kReaders);
