@@ -86,7 +86,7 @@ HWY_INLINE void readWithMargin(const KernelBox& box, VI offset, LabelsAround& ar
     const int64_t plane = (k - 1) * z;
     const int64_t more[4] = {plane - y, plane, plane + y, plane + 2 * y};
     if constexpr (kSpread) {
-      const WideRows rows =
+      const WideRows<kType> rows =
           wideRowsAt<kType>(box, offset, {more[0] - x, more[1] - x, more[2] - x, more[3] - x});
       for (int j = 0; j < 4; ++j) {
         const auto [labels, others] = rows.row(j);

@@ -17,6 +17,16 @@ HWY_INLINE V texelsFrom(const std::byte* base, VI offset) {
   return hn::Load(F(), values);
 }
 
+// The same of texels that may be read with the bytes behind them.
+template <DeviceType kType>
+HWY_INLINE V firstTexels(const std::byte* base, VI offset) {
+  const VI bytes = bytesAt(base, offset);
+  if constexpr (kType == DeviceType::kF32)
+    return hn::BitCast(F(), bytes);
+  else
+    return hn::ConvertTo(F(), hn::And(bytes, hn::Set(I(), kType == DeviceType::kU8 ? 255 : 65535)));
+}
+
 // Sobel's weights along an axis, interpolated between two texels: of the texel before a place, the
 // two around it and the one behind it, for the slope along the axis and for a mean across it.
 struct SobelWeights {
@@ -51,50 +61,67 @@ struct SpreadRow {
 // Beyond it lie values that stand for infinities. Its square is a float.
 constexpr float kFarShare = 1e15F;
 
-// The first and the last of four texels along an axis, around a place between the second and the
-// third: while the place moves from the middle to the farther one, they become their neighbours, so
-// that the least and the greatest of the four do not jump from cell to cell.
-struct FourAround {
-  V first, second, third, last;
+// How far the first and the last of four texels along an axis have become their neighbours: while the
+// place moves from the middle between the second and the third to the farther one, so that the least
+// and the greatest of the four do not jump from cell to cell.
+struct AroundParts {
+  V first, last;
 };
-HWY_INLINE FourAround fourAround(const V (&four)[4], V part) {
+HWY_INLINE AroundParts aroundParts(V part) {
   const V twice = hn::Add(part, part), one = all(1.0F), none = hn::Zero(F());
-  const V after = hn::Max(none, hn::Sub(twice, one)), before = hn::Max(none, hn::Sub(one, twice));
-  return {hn::MulAdd(after, hn::Sub(four[1], four[0]), four[0]), four[1], four[2],
-          hn::MulAdd(before, hn::Sub(four[2], four[3]), four[3])};
+  return {hn::Max(none, hn::Sub(twice, one)), hn::Max(none, hn::Sub(one, twice))};
 }
-HWY_INLINE V leastAround(const V (&four)[4], V part) {
-  const FourAround around = fourAround(four, part);
-  return hn::Min(hn::Min(around.first, around.second), hn::Min(around.third, around.last));
+HWY_INLINE V outer(V end, V neighbour, V part) {
+  return hn::MulAdd(part, hn::Sub(neighbour, end), end);
 }
-HWY_INLINE V greatestAround(const V (&four)[4], V part) {
-  const FourAround around = fourAround(four, part);
-  return hn::Max(hn::Max(around.first, around.second), hn::Max(around.third, around.last));
+
+// The least and the greatest mean of some texels, and the least spread.
+struct Extremes {
+  V least, greatest, calm;
+};
+// Those of a row or a plane at an end of four, with its neighbour.
+HWY_INLINE Extremes extremesOf(const Extremes& end, const Extremes& neighbour, V part) {
+  return {hn::Min(outer(end.least, neighbour.least, part), neighbour.least),
+          hn::Max(outer(end.greatest, neighbour.greatest, part), neighbour.greatest),
+          hn::Min(outer(end.calm, neighbour.calm, part), neighbour.calm)};
+}
+HWY_INLINE Extremes extremesOf(const Extremes& lower, const Extremes& upper) {
+  return {hn::Min(lower.least, upper.least), hn::Max(lower.greatest, upper.greatest),
+          hn::Min(lower.calm, upper.calm)};
+}
+// Calls `at(i)` of 0 to 3, of which the results are not kept.
+template <class At>
+HWY_INLINE Extremes extremesAlong(const AroundParts& parts, const At& at) {
+  const Extremes first = at(0), second = at(1);
+  const Extremes lower = extremesOf(first, second, parts.first);
+  const Extremes third = at(2), last = at(3);
+  return extremesOf(lower, extremesOf(last, third, parts.last));
 }
 
 // The sums over the 64 texels around a place.
 struct WideSums {
   V3 slopes;
   V mean, squares;          // the weighted mean of the values and of their squares
-  V bottom, top;            // the least and the greatest mean
-  V calm;                   // the least spread
+  Extremes extremes;
   V least;                  // of the means, of floats
 };
-// `row_of(j, k)`: a SpreadRow of row j in plane k. In shares of the volume's values, from the first
-// texel of the cell on: squares of values may overflow, and small differences would be lost.
-template <DeviceType kType, class RowOf>
+// `row_of(j)` of `plane_of(k)`: a SpreadRow of row j in plane k. In shares of the volume's values,
+// from the first texel of the cell on: squares of values may overflow, and small differences would be
+// lost.
+template <DeviceType kType, class PlaneOf>
 HWY_INLINE WideSums wideSums(const KernelFrame& frame, const Place& place, V first,
-                             const RowOf& row_of) {
+                             const PlaneOf& plane_of) {
   const SobelWeights x = sobelWeights(place.fx), y = sobelWeights(place.fy),
                      z = sobelWeights(place.fz);
+  const AroundParts x_parts = aroundParts(place.fx), y_parts = aroundParts(place.fy);
   const V none = hn::Zero(F()), unit = all(frame.spread_scale),
           half = all(0.5F * frame.spread_scale), origin = hn::Mul(first, unit);
-  WideSums sums{{none, none, none}, none, none, none, none, none, first};
-  V bottoms[4], tops[4], calms[4];  // of planes
+  WideSums sums{{none, none, none}, none, none, {none, none, none}, first};
+  Extremes planes[4];
   for (int k = 0; k < 4; ++k) {
-    V lows[4], highs[4], stills[4];  // of rows
-    for (int j = 0; j < 4; ++j) {
-      const SpreadRow row = row_of(j, k);
+    const auto row_of = plane_of(k);
+    planes[k] = extremesAlong(y_parts, [&](int j) {
+      const SpreadRow row = row_of(j);
       V slope = none, mean = none, squares = none, values[4], spreads[4];
       for (int i = 0; i < 4; ++i) {
         V value = hn::MulSub(row.mean[i], unit, origin);
@@ -119,48 +146,64 @@ HWY_INLINE WideSums wideSums(const KernelFrame& frame, const Place& place, V fir
       sums.slopes.z = hn::MulAdd(hn::Mul(y.mean[j], z.slope[k]), mean, sums.slopes.z);
       sums.mean = hn::MulAdd(across, mean, sums.mean);
       sums.squares = hn::MulAdd(across, squares, sums.squares);
-      lows[j] = leastAround(values, place.fx);
-      highs[j] = greatestAround(values, place.fx);
-      stills[j] = leastAround(spreads, place.fx);
-    }
-    bottoms[k] = leastAround(lows, place.fy);
-    tops[k] = greatestAround(highs, place.fy);
-    calms[k] = leastAround(stills, place.fy);
+      return extremesAlong(x_parts, [&](int i) {
+        return Extremes{values[i], values[i], spreads[i]};
+      });
+    });
   }
-  sums.bottom = leastAround(bottoms, place.fz);
-  sums.top = greatestAround(tops, place.fz);
-  sums.calm = hn::Mul(leastAround(calms, place.fz), unit);
+  sums.extremes = extremesAlong(aroundParts(place.fz), [&](int k) { return planes[k]; });
   return sums;
 }
 
+// A row of four texels from `more` bytes from each offset on.
+template <DeviceType kType>
+HWY_INLINE SpreadRow wideRowAt(const KernelBox& box, VI offset, int64_t more) {
+  const std::byte* from = box.texels + more;
+  if constexpr (kType == DeviceType::kU16) {
+    const Wide lower = wideAt(from, offset), upper = wideAt(from + 8, offset);
+    const Pair texels[4] = {pairIn<kType>(lower.first), pairIn<kType>(lower.second),
+                            pairIn<kType>(upper.first), pairIn<kType>(upper.second)};
+    return {{texels[0].first, texels[1].first, texels[2].first, texels[3].first},
+            {texels[0].second, texels[1].second, texels[2].second, texels[3].second}};
+  } else {
+    const Quad lower = quadAt(from, offset), upper = quadAt(from + 16, offset);
+    return {{lower.of[0], lower.of[2], upper.of[0], upper.of[2]},
+            {lower.of[1], lower.of[3], upper.of[1], upper.of[3]}};
+  }
+}
 // Four rows of four texels, each `more` bytes from each offset on.
+template <DeviceType kType>
 struct WideRows {
-  SpreadRows lower, upper;  // the first two texels and the others
+  const KernelBox& box;
+  VI offset;
+  int64_t more[4];
+  HWY_INLINE SpreadRow row(int j) const { return wideRowAt<kType>(box, offset, more[j]); }
+};
+// The four texels of a row are eight bytes, a mean, its spread, the next texel's, and so on. They are
+// kept as bytes: as numbers, those of four rows are more than there are registers.
+template <>
+struct WideRows<DeviceType::kU8> {
+  Wide rows[4];
   HWY_INLINE SpreadRow row(int j) const {
-    return {{lower.mean[j].first, lower.mean[j].second, upper.mean[j].first, upper.mean[j].second},
-            {lower.spread[j].first, lower.spread[j].second, upper.spread[j].first,
-             upper.spread[j].second}};
+    const VI mask = hn::Set(I(), 255);
+    const auto number = [&](VI bytes) { return hn::ConvertTo(F(), hn::And(bytes, mask)); };
+    const auto [lower, upper] = rows[j];
+    return {{number(lower), number(hn::ShiftRight<16>(lower)), number(upper),
+             number(hn::ShiftRight<16>(upper))},
+            {number(hn::ShiftRight<8>(lower)), number(hn::ShiftRight<24>(lower)),
+             number(hn::ShiftRight<8>(upper)), number(hn::ShiftRight<24>(upper))}};
   }
 };
 template <DeviceType kType>
-HWY_INLINE WideRows wideRowsAt(const KernelBox& box, VI offset, const int64_t (&more)[4]) {
+HWY_INLINE WideRows<kType> wideRowsAt(const KernelBox& box, VI offset, const int64_t (&more)[4]) {
   if constexpr (kType == DeviceType::kU8) {
-    // The four texels of a row are eight bytes: one load in place of two.
     const std::byte* from[4] = {box.texels + more[0], box.texels + more[1], box.texels + more[2],
                                 box.texels + more[3]};
-    Wide wide[4];
-    wideOfEach(from, offset, wide);
-    WideRows rows;
-    for (int j = 0; j < 4; ++j) {
-      rows.lower.setPairs(j, wide[j].first);
-      rows.upper.setPairs(j, wide[j].second);
-    }
+    WideRows<kType> rows;
+    wideOfEach(from, offset, rows.rows);
     return rows;
   } else {
-    const auto two = static_cast<int64_t>(2 * box.stride[0]);
-    return {spreadRowsAt<kType>(box, offset, more),
-            spreadRowsAt<kType>(box, offset,
-                                {more[0] + two, more[1] + two, more[2] + two, more[3] + two})};
+    return {box, offset, {more[0], more[1], more[2], more[3]}};
   }
 }
 template <DeviceType kType>
@@ -168,14 +211,11 @@ HWY_INLINE WideSums wideSumsWithMargin(const KernelFrame& frame, const KernelBox
                                        const Place& place) {
   const auto x = static_cast<int64_t>(box.stride[0]), y = static_cast<int64_t>(box.stride[1]),
              z = static_cast<int64_t>(box.stride[2]);
-  const V first = texelsFrom<kType>(box.texels, place.offset);
-  WideRows rows;
-  return wideSums<kType>(frame, place, first, [&](int j, int k) {
-    if (j == 0) {
-      const int64_t plane = (k - 1) * z - x;
-      rows = wideRowsAt<kType>(box, place.offset, {plane - y, plane, plane + y, plane + 2 * y});
-    }
-    return rows.row(j);
+  const V first = firstTexels<kType>(box.texels, place.offset);
+  return wideSums<kType>(frame, place, first, [&](int k) {
+    const int64_t plane = (k - 1) * z - x;
+    return [rows = wideRowsAt<kType>(box, place.offset, {plane - y, plane, plane + y, plane + 2 * y})](
+               int j) { return rows.row(j); };
   });
 }
 // Beyond the chunk its outermost texels continue.
@@ -187,14 +227,16 @@ HWY_NOINLINE WideSums wideSumsWithoutMargin(const KernelFrame& frame, const Kern
                     z = offsetsAround(box, hn::Sub(at.z, place.fz), 2);
   const auto second = static_cast<int64_t>(box.stride[0]) / 2;
   const VI cell = hn::Add(x.of[1], hn::Add(y.of[1], z.of[1]));
-  return wideSums<kType>(frame, place, texelsFrom<kType>(box.texels, cell), [&](int j, int k) {
-    SpreadRow row;
-    for (int i = 0; i < 4; ++i) {
-      const VI offset = hn::Add(x.of[i], hn::Add(y.of[j], z.of[k]));
-      row.mean[i] = texelsFrom<kType>(box.texels, offset);
-      row.spread[i] = texelsFrom<kType>(box.texels + second, offset);
-    }
-    return row;
+  return wideSums<kType>(frame, place, texelsFrom<kType>(box.texels, cell), [&](int k) {
+    return [&, k](int j) {
+      SpreadRow row;
+      for (int i = 0; i < 4; ++i) {
+        const VI offset = hn::Add(x.of[i], hn::Add(y.of[j], z.of[k]));
+        row.mean[i] = texelsFrom<kType>(box.texels, offset);
+        row.spread[i] = texelsFrom<kType>(box.texels + second, offset);
+      }
+      return row;
+    };
   });
 }
 
@@ -215,9 +257,9 @@ HWY_NOINLINE WideSlopes wideSlopesAt(const KernelFrame& frame, const KernelBox& 
   const V variance = hn::Max(hn::NegMulAdd(sums.mean, sums.mean, sums.squares), none);
   const V even = squareOf(sums.slopes);
 
-  const V height = hn::Max(hn::Sub(sums.top, sums.bottom), number(kLeastHeight));
+  const V height = hn::Max(hn::Sub(sums.extremes.greatest, sums.extremes.least), number(kLeastHeight));
   const V part = hn::Min(
-      one, hn::Max(hn::Div(hn::Sub(sums.mean, sums.bottom), height), number(kLeastPart)));
+      one, hn::Max(hn::Div(hn::Sub(sums.mean, sums.extremes.least), height), number(kLeastPart)));
   const V product = hn::Max(hn::Mul(part, hn::Sub(one, part)), number(kLeastProduct));
   const V of_edge = hn::Div(variance, hn::Mul(hn::Mul(height, height), product));
   const V sharp = hn::Min(one, hn::Max(none, hn::Mul(hn::Sub(of_edge, number(kSoftShare)),
@@ -234,7 +276,8 @@ HWY_NOINLINE WideSlopes wideSlopesAt(const KernelFrame& frame, const KernelBox& 
   const V here = ifSharp(one, hn::Mul(share, hn::Mul(share, share)));
   const V most = hn::NegMulAdd(number(kEdgePart), even, hn::Mul(all(4.0F), variance));
   const V counted = hn::Min(square, hn::Max(most, none));
-  const V still = hn::Min(counted, hn::Mul(sums.calm, sums.calm));
+  const V calm = hn::Mul(sums.extremes.calm, all(frame.spread_scale));
+  const V still = hn::Min(counted, hn::Mul(calm, calm));
   const V unit = all(frame.spread_unit);
   WideSlopes wide{{hn::Mul(unit, sums.slopes.x), hn::Mul(unit, sums.slopes.y),
                    hn::Mul(unit, sums.slopes.z)},
