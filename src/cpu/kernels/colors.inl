@@ -107,12 +107,17 @@ HWY_INLINE V corrected(V opacity, V lengths) {
   return hn::IfThenElse(hn::Lt(opacity, all(1.0F)), hn::Sub(all(1.0F), left), all(1.0F));
 }
 
+// The row of the square of a spread: the rows that spreads have are from 1 on, and below it their
+// colours mix with the colour of a texel without spread.
+HWY_INLINE V expectedRow(const KernelFrame& frame, V square) {
+  return hn::Mul(hn::Sqrt(hn::Sqrt(square)), all(static_cast<float>(frame.expected_rows)));
+}
 // The colour of a mean and the square of its spread (SpreadValue), premultiplied, for a way of `lengths` unit lengths whose
 // opacity is multiplied by `factor` first: see ExpectedLook. `exact` is the colour without spread.
 HWY_INLINE Color expectedColor(const KernelFrame& frame, V value, V square, V factor, V lengths,
                                const Color& exact) {
   const V zero = hn::Zero(F()), one = all(1.0F);
-  const V row = hn::Mul(hn::Sqrt(hn::Sqrt(square)), all(static_cast<float>(frame.expected_rows)));
+  const V row = expectedRow(frame, square);
   const V last_row = all(static_cast<float>(frame.expected_rows - 1));
   const V last_entry = all(static_cast<float>(frame.expected_entries - 1));
   const V at_row = hn::Min(hn::Max(hn::Sub(row, one), zero), last_row);

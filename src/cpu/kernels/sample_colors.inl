@@ -128,8 +128,12 @@ HWY_INLINE Color colorOf(const KernelFrame& frame, const KernelBox& box, const V
                          const At& place, V value, V square, V ray_length) {
   if constexpr (kShading == Shading::kShares)
     return sharedColorOf<kType>(frame, box, at, place, value, square, ray_length);
-  const V entry = entryOf(frame, value);
-  Color color = colorAt(frame, entry);
+  const V entry = entryOf(frame, value), none = hn::Zero(F());
+  Color color{none, none, none, none};
+  // Most packets in chunks with spreads need no colour of a texel without one.
+  if (!hasSpreads(kShading) ||
+      !hn::AllTrue(F(), hn::Ge(expectedRow(frame, square), all(1.0F))))
+    color = colorAt(frame, entry);
   if constexpr (kShading == Shading::kLength) {
     // Perspective rays are longer away from the middle: the table holds the exponent of a unit.
     color.a = hn::Sub(all(1.0F), powerOfTwo(hn::Mul(color.a, ray_length)));
