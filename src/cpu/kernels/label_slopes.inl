@@ -176,11 +176,113 @@ HWY_NOINLINE V3 slopesOfMany(const KernelFrame& frame, const Place& place,
   return sobelSlopes(place, [&](int i) { return opacities.at(i); });
 }
 
+#if HWY_TARGET != HWY_SCALAR
+// The labels of the 4 x 4 x 4 texels around a cell as they are stored: of each lane four bytes a row.
+struct BytesAround {
+  VI of[16];
+};
+HWY_INLINE BytesAround bytesAround(const KernelBox& box, VI offset) {
+  const auto y = static_cast<int64_t>(box.stride[1]), z = static_cast<int64_t>(box.stride[2]);
+  BytesAround around;
+  for (int k = 0; k < 4; ++k) {
+    const std::byte* row = box.texels + (k - 1) * z - 1;
+    VI rows[4];
+    fourAtOnce({row - y, row, row + y, row + 2 * y}, offset, rows);
+    for (int j = 0; j < 4; ++j) around.of[4 * k + j] = rows[j];
+  }
+  return around;
+}
+using Bytes = hn::Repartition<uint8_t, F>;
+using VB = hn::Vec<Bytes>;
+HWY_INLINE VB bytesOf(VI number) { return hn::BitCast(Bytes(), number); }
+template <int kBits>
+HWY_INLINE VB turned(VB bytes) {
+  const VI four = hn::BitCast(I(), bytes);
+  return bytesOf(hn::Or(hn::ShiftLeft<kBits>(four),
+                        hn::And(hn::ShiftRight<32 - kBits>(four),
+                                hn::Set(I(), static_cast<int32_t>((1U << kBits) - 1)))));
+}
+// Four times the least and the greatest of a lane's four bytes.
+HWY_INLINE VB leastOfFour(VB bytes) {
+  const VB two = hn::Min(bytes, turned<16>(bytes));
+  return hn::Min(two, turned<8>(two));
+}
+HWY_INLINE VB greatestOfFour(VB bytes) {
+  const VB two = hn::Max(bytes, turned<16>(bytes));
+  return hn::Max(two, turned<8>(two));
+}
+// The label of which a lane has four.
+HWY_INLINE V labelOf(VB bytes) {
+  return hn::ConvertTo(F(), hn::And(hn::BitCast(I(), bytes), hn::Set(I(), 255)));
+}
+
+// labelSlopesAt() of bytes. Most places have one label around them, and nearly all others two or
+// three: these are looked up once each.
+HWY_NOINLINE V3 slopesOfBytes(const KernelFrame& frame, const KernelBox& box, Place place) {
+  const BytesAround around = bytesAround(box, place.offset);
+  VB least = bytesOf(around.of[0]), greatest = least;
+  for (int row = 1; row < 16; ++row) {
+    least = hn::Min(least, bytesOf(around.of[row]));
+    greatest = hn::Max(greatest, bytesOf(around.of[row]));
+  }
+  least = leastOfFour(least);
+  greatest = greatestOfFour(greatest);
+  const V zero = hn::Zero(F());
+  if (hn::AllTrue(Bytes(), hn::Eq(least, greatest))) return {zero, zero, zero};
+
+  VB second = greatest;  // the least one above `least`
+  for (int row = 0; row < 16; ++row) {
+    const VB labels = bytesOf(around.of[row]);
+    second = hn::Min(second, hn::IfThenElse(hn::Eq(labels, least), greatest, labels));
+  }
+  second = leastOfFour(second);
+  const V low = labelOpacityOf<DeviceType::kU8>(frame, labelOf(least)),
+          high = labelOpacityOf<DeviceType::kU8>(frame, labelOf(greatest));
+  const VI whole_greatest = hn::BitCast(I(), greatest), whole_second = hn::BitCast(I(), second);
+  const auto isIn = [&](int i, VI label) {
+    const VI byte = hn::Set(I(), static_cast<int32_t>(255U << (8 * (i % 4))));
+    return hn::RebindMask(
+        F(), hn::Eq(hn::And(hn::Xor(around.of[i / 4], label), byte), hn::Zero(I())));
+  };
+  if (hn::AllTrue(Bytes(), hn::Eq(second, greatest))) {
+    const V jump = hn::Sub(high, low);
+    if (hn::AllTrue(F(), hn::Eq(jump, zero))) return {jump, jump, jump};
+    return sobelSlopes(
+        place, [&](int i) { return hn::IfThenElseZero(isIn(i, whole_greatest), jump); });
+  }
+
+  VB between_both = second;  // the greatest one below `greatest`
+  for (int row = 0; row < 16; ++row) {
+    const VB labels = bytesOf(around.of[row]);
+    between_both =
+        hn::Max(between_both, hn::IfThenElse(hn::Eq(labels, greatest), second, labels));
+  }
+  if (hn::AllTrue(Bytes(), hn::Eq(between_both, second))) {
+    const V middle = labelOpacityOf<DeviceType::kU8>(frame, labelOf(second));
+    return sobelSlopes(place, [&](int i) {
+      return hn::IfThenElse(isIn(i, whole_greatest), high,
+                            hn::IfThenElse(isIn(i, whole_second), middle, low));
+    });
+  }
+  LabelsAround labels;
+  for (int i = 0; i < 64; ++i) {
+    const VI down = hn::Set(I(), 8 * (i % 4));
+    hn::Store(hn::ConvertTo(F(), hn::And(hn::Shr(around.of[i / 4], down), hn::Set(I(), 255))), F(),
+              labels.labels.of[i]);
+  }
+  return slopesOfMany<DeviceType::kU8, false>(frame, place, labels);
+}
+#endif
+
 // The slopes that light labels, see lighting.h and label_shares.h, from texel to texel along each
 // axis. A call of its own, since few frames draw labels. Two labels at most around a place are so
 // common that no others are looked up.
 template <DeviceType kType, bool kSpread>
 HWY_NOINLINE V3 labelSlopesAt(const KernelFrame& frame, const KernelBox& box, V3 at, Place place) {
+#if HWY_TARGET != HWY_SCALAR
+  if constexpr (kType == DeviceType::kU8 && !kSpread)
+    if (box.has_margin) return slopesOfBytes(frame, box, place);
+#endif
   LabelsAround around;
   if (box.has_margin)
     readWithMargin<kType, kSpread>(box, place.offset, around);
@@ -193,11 +295,12 @@ HWY_NOINLINE V3 labelSlopesAt(const KernelFrame& frame, const KernelBox& box, V3
     least = hn::Min(least, labels.at(i));
     greatest = hn::Max(greatest, labels.at(i));
   }
-  M other = hn::MaskFromVec(hn::Zero(F()));
+  const V zero = hn::Zero(F());
+  if (!kSpread && hn::AllTrue(F(), hn::Eq(least, greatest))) return {zero, zero, zero};
+  M other = hn::MaskFromVec(zero);
   for (int i = 0; i < 64; ++i)
     other = hn::Or(other, hn::And(hn::Gt(labels.at(i), least), hn::Lt(labels.at(i), greatest)));
   if (!hn::AllFalse(F(), other)) return slopesOfMany<kType, kSpread>(frame, place, around);
-  const V zero = hn::Zero(F());
   const V low = labelOpacityOf<kType>(frame, least), high = labelOpacityOf<kType>(frame, greatest);
   const V jump = hn::Sub(high, low);
   if constexpr (kSpread) {

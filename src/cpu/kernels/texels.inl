@@ -232,7 +232,15 @@ HWY_INLINE V heaviestOf(const EightNumbers& values, const EightNumbers& weights)
 // 64 comparisons inside each kernel took a large share of the compiler's time.
 template <DeviceType kType>
 HWY_NOINLINE V labelAt(const KernelBox& box, Place place) {
-  return heaviestOf(eightOf(rowsAround<kType>(box, place.offset).pair), weightsAt(place));
+  const Rows rows = rowsAround<kType>(box, place.offset);
+  const V first = rows.pair[0].first;
+  M differ = hn::Ne(rows.pair[0].second, first);
+  for (int i = 1; i < 4; ++i)
+    differ = hn::Or(differ, hn::Or(hn::Ne(rows.pair[i].first, first),
+                                   hn::Ne(rows.pair[i].second, first)));
+  // Most places lie within one label.
+  if (hn::AllFalse(F(), differ)) return first;
+  return heaviestOf(eightOf(rows.pair), weightsAt(place));
 }
 // Half of the difference; a NaN neighbour tells nothing of the slope along its axis.
 template <DeviceType kType>
