@@ -177,7 +177,7 @@ HWY_NOINLINE V3 slopesOfMany(const KernelFrame& frame, const Place& place,
 }
 
 #if HWY_TARGET != HWY_SCALAR
-// The labels of the 4 x 4 x 4 texels around a cell as they are stored: of each lane four bytes a row.
+// The labels of the 4 x 4 x 4 texels around a cell as they are stored: a lane has four bytes a row.
 struct BytesAround {
   VI of[16];
 };
@@ -202,7 +202,7 @@ HWY_INLINE VB turned(VB bytes) {
                         hn::And(hn::ShiftRight<32 - kBits>(four),
                                 hn::Set(I(), static_cast<int32_t>((1U << kBits) - 1)))));
 }
-// Four times the least and the greatest of a lane's four bytes.
+// The least and the greatest of a lane's four bytes, four times each.
 HWY_INLINE VB leastOfFour(VB bytes) {
   const VB two = hn::Min(bytes, turned<16>(bytes));
   return hn::Min(two, turned<8>(two));
@@ -211,7 +211,7 @@ HWY_INLINE VB greatestOfFour(VB bytes) {
   const VB two = hn::Max(bytes, turned<16>(bytes));
   return hn::Max(two, turned<8>(two));
 }
-// The label of which a lane has four.
+// A lane's label, of which it has four copies.
 HWY_INLINE V labelOf(VB bytes) {
   return hn::ConvertTo(F(), hn::And(hn::BitCast(I(), bytes), hn::Set(I(), 255)));
 }

@@ -61,9 +61,9 @@ struct SpreadRow {
 // Beyond it lie values that stand for infinities. Its square is a float.
 constexpr float kFarShare = 1e15F;
 
-// How far the first and the last of four texels along an axis have become their neighbours: while the
-// place moves from the middle between the second and the third to the farther one, so that the least
-// and the greatest of the four do not jump from cell to cell.
+// How far the first and the last of four texels along an axis have become their neighbours: they do
+// while the place moves from the middle between the second and the third to the farther one, so that
+// the least and the greatest of the four do not jump from cell to cell.
 struct AroundParts {
   V first, last;
 };
@@ -89,7 +89,7 @@ HWY_INLINE Extremes extremesOf(const Extremes& lower, const Extremes& upper) {
   return {hn::Min(lower.least, upper.least), hn::Max(lower.greatest, upper.greatest),
           hn::Min(lower.calm, upper.calm)};
 }
-// Calls `at(i)` of 0 to 3, of which the results are not kept.
+// Those of four along an axis; `at(i)` is called once each, in order.
 template <class At>
 HWY_INLINE Extremes extremesAlong(const AroundParts& parts, const At& at) {
   const Extremes first = at(0), second = at(1);
@@ -105,9 +105,9 @@ struct WideSums {
   Extremes extremes;
   V least;                  // of the means, of floats
 };
-// `row_of(j)` of `plane_of(k)`: a SpreadRow of row j in plane k. In shares of the volume's values,
-// from the first texel of the cell on: squares of values may overflow, and small differences would be
-// lost.
+// `plane_of(k)` gives a function of j that returns row j of plane k. Values are shares of the volume's
+// values, from the first texel of the cell on: squares of values may overflow, and small differences
+// would be lost.
 template <DeviceType kType, class PlaneOf>
 HWY_INLINE WideSums wideSums(const KernelFrame& frame, const Place& place, V first,
                              const PlaneOf& plane_of) {
@@ -179,8 +179,8 @@ struct WideRows {
   int64_t more[4];
   HWY_INLINE SpreadRow row(int j) const { return wideRowAt<kType>(box, offset, more[j]); }
 };
-// The four texels of a row are eight bytes, a mean, its spread, the next texel's, and so on. They are
-// kept as bytes: as numbers, those of four rows are more than there are registers.
+// The four texels of a row are eight bytes: a mean, its spread, the next texel's, and so on. They stay
+// bytes until they are used, since as numbers four rows are more than there are registers.
 template <>
 struct WideRows<DeviceType::kU8> {
   Wide rows[4];
@@ -214,8 +214,8 @@ HWY_INLINE WideSums wideSumsWithMargin(const KernelFrame& frame, const KernelBox
   const V first = firstTexels<kType>(box.texels, place.offset);
   return wideSums<kType>(frame, place, first, [&](int k) {
     const int64_t plane = (k - 1) * z - x;
-    return [rows = wideRowsAt<kType>(box, place.offset, {plane - y, plane, plane + y, plane + 2 * y})](
-               int j) { return rows.row(j); };
+    const int64_t more[4] = {plane - y, plane, plane + y, plane + 2 * y};
+    return [rows = wideRowsAt<kType>(box, place.offset, more)](int j) { return rows.row(j); };
   });
 }
 // Beyond the chunk its outermost texels continue.
@@ -257,9 +257,10 @@ HWY_NOINLINE WideSlopes wideSlopesAt(const KernelFrame& frame, const KernelBox& 
   const V variance = hn::Max(hn::NegMulAdd(sums.mean, sums.mean, sums.squares), none);
   const V even = squareOf(sums.slopes);
 
-  const V height = hn::Max(hn::Sub(sums.extremes.greatest, sums.extremes.least), number(kLeastHeight));
+  const auto& [bottom, top, calm] = sums.extremes;
+  const V height = hn::Max(hn::Sub(top, bottom), number(kLeastHeight));
   const V part = hn::Min(
-      one, hn::Max(hn::Div(hn::Sub(sums.mean, sums.extremes.least), height), number(kLeastPart)));
+      one, hn::Max(hn::Div(hn::Sub(sums.mean, bottom), height), number(kLeastPart)));
   const V product = hn::Max(hn::Mul(part, hn::Sub(one, part)), number(kLeastProduct));
   const V of_edge = hn::Div(variance, hn::Mul(hn::Mul(height, height), product));
   const V sharp = hn::Min(one, hn::Max(none, hn::Mul(hn::Sub(of_edge, number(kSoftShare)),
@@ -276,8 +277,8 @@ HWY_NOINLINE WideSlopes wideSlopesAt(const KernelFrame& frame, const KernelBox& 
   const V here = ifSharp(one, hn::Mul(share, hn::Mul(share, share)));
   const V most = hn::NegMulAdd(number(kEdgePart), even, hn::Mul(all(4.0F), variance));
   const V counted = hn::Min(square, hn::Max(most, none));
-  const V calm = hn::Mul(sums.extremes.calm, all(frame.spread_scale));
-  const V still = hn::Min(counted, hn::Mul(calm, calm));
+  const V least_spread = hn::Mul(calm, all(frame.spread_scale));
+  const V still = hn::Min(counted, hn::Mul(least_spread, least_spread));
   const V unit = all(frame.spread_unit);
   WideSlopes wide{{hn::Mul(unit, sums.slopes.x), hn::Mul(unit, sums.slopes.y),
                    hn::Mul(unit, sums.slopes.z)},
