@@ -5,15 +5,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "io/pictures/png_file.h"
-#include "tests/tools/program.h"
+#include "tests/tools/coarse_store.h"
 
 namespace sluice {
 namespace {
@@ -22,62 +20,6 @@ using nlohmann::json;
 using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
-
-constexpr const char* kLook =
-    "--threshold 60 --opacity 0.1 --range 0,255 --no-shade --block 32 --view plain --fit volume "
-    "--azimuth 30 --size 64 --force";
-
-// A packed store without the index that packing made, as if it came from another machine.
-class CoarseFirst : public testing::Test {
- protected:
-  CoarseFirst() {
-    run("pack synth:shells,dims=160x150x140 -o v.zarr --chunk 16 --levels 3");
-    removeIndex();
-  }
-  std::string run(const std::string& command) const {
-    const CommandResult result = program_.run(command);
-    EXPECT_EQ(result.status, 0) << result.output;
-    return result.output;
-  }
-  json render(const std::string& more) const {
-    return program_.json(std::string("render v.zarr -o x.png ") + kLook + " " + more);
-  }
-  Rgba8Picture picture() const { return readPng(program_.folder / "x.png"); }
-  void removeIndex() const { std::filesystem::remove_all(program_.folder / "cache"); }
-  // As levels that another program made: means without spreads.
-  void removeSpreads() const {
-    std::filesystem::remove_all(program_.folder / "v.zarr/spread");
-    std::string attributes = readFile(program_.folder / "v.zarr/.zattrs");
-    attributes.replace(attributes.find("spreads"), 7, "nothing");
-    writeFile(program_.folder / "v.zarr/.zattrs", attributes);
-  }
-  // Chunks have checksums: reading one of these is an error.
-  void spoilLevelZero() const {
-    for (const auto& file :
-         std::filesystem::recursive_directory_iterator(program_.folder / "v.zarr/0"))
-      if (file.is_regular_file() && file.path().filename().string().front() != '.')
-        writeFile(file.path(), "spoilt");
-  }
-  // Bytes of all files below these folders of the store, and of the files beside them.
-  uint64_t bytesOf(const std::vector<std::string>& levels) const {
-    uint64_t bytes = 0;
-    for (const std::string& level : levels)
-      for (const auto& file :
-           std::filesystem::recursive_directory_iterator(program_.folder / "v.zarr" / level))
-        if (file.is_regular_file()) bytes += file.file_size();
-    for (const auto& file : std::filesystem::directory_iterator(program_.folder / "v.zarr"))
-      if (file.is_regular_file()) bytes += file.file_size();
-    return bytes;
-  }
-
-  const Program program_;
-};
-
-double meanDifference(const Rgba8Picture& a, const Rgba8Picture& b) {
-  double sum = 0;
-  for (size_t i = 0; i < a.rgba.size(); ++i) sum += std::abs(a.rgba[i] - b.rgba[i]);
-  return sum / static_cast<double>(a.rgba.size());
-}
 
 TEST_F(CoarseFirst, noChunkOfLevelZeroIsReadForAPictureOfCoarserLevels) {
   spoilLevelZero();
@@ -89,7 +31,7 @@ TEST_F(CoarseFirst, noChunkOfLevelZeroIsReadForAPictureOfCoarserLevels) {
   // Twice: for its values and for the picture.
   EXPECT_LE(report["levels"]["disk"]["read_bytes"], 2 * bytesOf({"1", "2", "3", "spread"}));
   const CommandResult finest =
-      program_.run(std::string("render v.zarr -o y.png ") + kLook + " --level 0");
+      program_.run(std::string("render v.zarr -o y.png ") + kCoarseLook + " --level 0");
   EXPECT_EQ(finest.status, 1) << "level 0 cannot be read";
 }
 
@@ -197,7 +139,8 @@ TEST_F(CoarseFirst, isSaidOfTheVolumeThatHasNoIndex) {
 }
 
 TEST_F(CoarseFirst, whatComesFromACoarseLevelIsSaid) {
-  const std::string said = run(std::string("render v.zarr -o x.png ") + kLook + " --pixel-error 2");
+  const std::string said =
+      run(std::string("render v.zarr -o x.png ") + kCoarseLook + " --pixel-error 2");
   EXPECT_THAT(said, HasSubstr("level 0 has no index yet"));
   EXPECT_THAT(said, HasSubstr("may differ a little"));
   const json first = render("--pixel-error 2")["volume"];
@@ -207,7 +150,7 @@ TEST_F(CoarseFirst, whatComesFromACoarseLevelIsSaid) {
   for (const size_t end : {0U, 1U})
     EXPECT_NEAR(first["value_range"][end].get<double>(), finest["value_range"][end].get<double>(),
                 0.1 * finest["value_range"][1].get<double>());
-  EXPECT_THAT(run(std::string("render v.zarr -o x.png ") + kLook + " --pixel-error 2"),
+  EXPECT_THAT(run(std::string("render v.zarr -o x.png ") + kCoarseLook + " --pixel-error 2"),
               Not(HasSubstr("no index")));
 }
 
@@ -239,8 +182,8 @@ TEST_F(CoarseFirst, rangesOfTheBlocksThatAPictureReadsAreKept) {
     ASSERT_NEAR(picture().rgba[i], shown.rgba[i], 1) << i;
   // Within one command, too: the second frame shows as few cells.
   removeIndex();
-  const json turn =
-      program_.json(std::string("render v.zarr -o turn_##.png --frames 2 ") + kLook + " " + all);
+  const json turn = program_.json(std::string("render v.zarr -o turn_##.png --frames 2 ") +
+                                  kCoarseLook + " " + all);
   EXPECT_EQ(turn["cut"]["levels"][0]["cells"], second["cut"]["levels"][0]["cells"]);
   // Ranges of another state of the store are not believed.
   writeFile(program_.folder / "v.zarr/.zattrs", readFile(program_.folder / "v.zarr/.zattrs") + " ");
@@ -262,153 +205,6 @@ TEST_F(CoarseFirst, aPlanReadsNothingOfLevelZeroEither) {
   const json plan = program_.json("plan v.zarr " + look);
   EXPECT_GT(plan["cut"]["levels"][0]["level"], 0);
   EXPECT_THAT(run("plan v.zarr " + look), HasSubstr("level 0 has no index yet"));
-}
-
-std::vector<int> finestLevels(const json& pictures) {
-  std::vector<int> levels;
-  for (const json& picture : pictures)
-    levels.push_back(picture["cut"]["levels"][0]["level"].get<int>());
-  return levels;
-}
-
-TEST_F(CoarseFirst, atTheTimeLimitTheLastWholePictureIsWritten) {
-  spoilLevelZero();
-  const json report = render("--time-limit 0ms");
-  EXPECT_EQ(finestLevels(report["frames"][0]["pictures"]), std::vector<int>{3});
-  EXPECT_EQ(report["cut"]["final"], false);
-  EXPECT_EQ(report["cut"]["coarse_share"], 1.0);
-  EXPECT_EQ(report["frames"][0]["missing_share"], 0.0) << "no fragment";
-  const auto limited = picture().rgba;
-  render("--level 3");
-  EXPECT_EQ(limited, picture().rgba);
-  EXPECT_THAT(run(std::string("render v.zarr -o x.png ") + kLook + " --time-limit 0"),
-              HasSubstr("level 3, will improve"));
-}
-
-TEST_F(CoarseFirst, withEnoughTimeThePictureIsTheOneWithoutALimit) {
-  const json report = render("--pixel-error 0.5 --time-limit 1000s");
-  EXPECT_EQ(report["cut"]["final"], true);
-  const auto limited = picture().rgba;
-  const json other = render("--pixel-error 0.5");
-  EXPECT_EQ(limited, picture().rgba);
-  EXPECT_EQ(report["cut"], other["cut"]);
-}
-
-TEST_F(CoarseFirst, eachPictureOfARowIsFinerAndWhole) {
-  const json report = program_.json(std::string("render v.zarr -o 'p_##.png' ") + kLook +
-                                    " --pixel-error 0.5 --progressive");
-  const json& pictures = report["frames"][0]["pictures"];
-  const std::vector<int> levels = finestLevels(pictures);
-  EXPECT_EQ(levels, (std::vector<int>{3, 2, 1}));
-  for (size_t i = 0; i < pictures.size(); ++i) {
-    EXPECT_EQ(pictures[i]["cut"]["final"], i + 1 == pictures.size()) << i;
-    const std::string name = "p_0" + std::to_string(i) + ".png";
-    ASSERT_TRUE(program_.exists(name));
-    EXPECT_EQ(readPng(program_.folder / name).width, 64) << "each is a whole file";
-  }
-  EXPECT_FALSE(program_.exists("p_0" + std::to_string(pictures.size()) + ".png"));
-  EXPECT_EQ(report["output"], "p_0" + std::to_string(pictures.size() - 1) + ".png");
-  const std::string last = report["output"].get<std::string>();
-  render("--pixel-error 0.5");
-  EXPECT_EQ(readPng(program_.folder / last).rgba, picture().rgba);
-}
-
-// The labels have a level less than the scan, or none.
-TEST_F(CoarseFirst, volumesOfARowGetBetterTogether) {
-  run("pack synth:parts,dims=160x150x140 -o parts.zarr --chunk 16 --levels 2 --downsample mode");
-  run("synth parts --dims 160,150,140 -o parts_160x150x140_uint8.raw");
-  for (const char* over : {"parts.zarr", "parts_160x150x140_uint8.raw"})
-    for (const char* options : {"--pixel-error 0.5", "--level 1", "--time-limit 1000s"}) {
-      SCOPED_TRACE(std::string(over) + " " + options);
-      const std::string command =
-          std::string(kLook) + " --combine add --over " + over + " " + options;
-      const json report = program_.json("render v.zarr -o 'p_##.png' --progressive " + command);
-      const json& pictures = report["frames"][0]["pictures"];
-      const std::vector<int> levels = finestLevels(pictures);
-      ASSERT_GE(levels.size(), 2);
-      EXPECT_EQ(levels.front(), 3) << "the coarsest one comes first";
-      EXPECT_EQ(pictures.back()["cut"]["final"], true);
-      EXPECT_EQ(pictures.front()["cut"]["final"], false);
-      ASSERT_EQ(report["frames"][0]["channels"].size(), 2);
-      EXPECT_EQ(report["frames"][0]["channels"][0]["cut"], report["cut"]);
-      EXPECT_EQ(report["frames"][0]["channels"][1]["empty"], false);
-      run("render v.zarr -o x.png " + command);
-      EXPECT_EQ(readPng(program_.folder / report["output"].get<std::string>()).rgba,
-                picture().rgba);
-    }
-  EXPECT_THAT(run(std::string("render v.zarr --over parts.zarr -o x.png --time-limit 0 ") + kLook),
-              HasSubstr("1 picture, the last after"));
-}
-
-TEST_F(CoarseFirst, levelsOfMeansDoNotStandForLabelsOverAScan) {
-  run("pack synth:parts,dims=160x150x140 -o means.zarr --chunk 16 --levels 2 --downsample mean");
-  for (const char* options : {"--progressive", "--pixel-error 4", "--level 3"})
-    run(std::string("render v.zarr --over means.zarr -o x.png ") + kLook + " " + options);
-}
-
-TEST_F(CoarseFirst, aRowWithoutNumbersReplacesItsPicture) {
-  const std::string said =
-      run(std::string("render v.zarr -o x.png ") + kLook + " --pixel-error 0.5 --progressive");
-  EXPECT_THAT(said, HasSubstr("x.png: "));
-  EXPECT_THAT(said, HasSubstr("level 3, will improve"));
-  EXPECT_THAT(said, HasSubstr(", final"));
-  const auto replaced = picture().rgba;
-  render("--pixel-error 0.5");
-  EXPECT_EQ(replaced, picture().rgba);
-}
-
-// Levels of a store that others wrote have no spreads: unasked, they are not drawn.
-TEST_F(CoarseFirst, aRowEndsWithThePictureThatIsDrawnUnasked) {
-  removeSpreads();
-  render("--pixel-error 1");  // makes the index
-  const auto without = [&](const char* more) {
-    render(more);
-    return picture().rgba;
-  };
-  for (const char* more : {"", "--quality high", "--zoom 0.3 --quality normal"}) {
-    SCOPED_TRACE(more);
-    const auto expected = without(more);
-    const json report = render(std::string("--progressive ") + more);
-    EXPECT_EQ(report["frames"][0]["pictures"].back()["cut"]["final"], true);
-    const auto drawn = picture().rgba;
-    ASSERT_EQ(drawn.size(), expected.size());
-    int most = 0;
-    for (size_t i = 0; i < drawn.size(); ++i)
-      most = std::max(most, std::abs(drawn[i] - expected[i]));
-    EXPECT_LE(most, 1);
-  }
-}
-
-// The whole finest level could not be begun in part, as a cut can.
-TEST_F(CoarseFirst, aRowWithATimeLimitEndsWithTheCut) {
-  removeSpreads();
-  render("--pixel-error 1");  // makes the index
-  const auto expected = picture().rgba;
-  for (const char* more : {"", "--progressive"}) {
-    SCOPED_TRACE(more);
-    const json report = render(std::string("--time-limit 1000s ") + more);
-    EXPECT_EQ(finestLevels(report["frames"][0]["pictures"]), (std::vector<int>{3, 2}));
-    EXPECT_EQ(report["cut"]["final"], true);
-    EXPECT_EQ(picture().rgba, expected);
-  }
-}
-
-TEST_F(CoarseFirst, aRowReachesLevelZeroWithoutWaitingForItsIndex) {
-  const json report = render("--pixel-error 0.1 --progressive");
-  EXPECT_EQ(finestLevels(report["frames"][0]["pictures"]), (std::vector<int>{3, 2, 1, 0}));
-  EXPECT_EQ(report["volume"]["index"]["state"], "not made");
-  const auto unknown = picture();
-  EXPECT_EQ(render("--pixel-error 0.1")["volume"]["index"]["state"], "built");
-  EXPECT_LT(meanDifference(unknown, picture()), 0.2) << "anything may show, but no more does";
-}
-
-TEST_F(CoarseFirst, whatLooksAtOnePictureRefusesARow) {
-  for (const char* more : {"--progressive --verify", "--time-limit 1 --debug-view --occlusion map"})
-    EXPECT_THAT(program_.run(std::string("render v.zarr -o y.png ") + kLook + " " + more).output,
-                HasSubstr("looks at one picture"));
-  EXPECT_EQ(program_.run("render v.zarr -o y.png --time-limit 1h").status, 2);
-  EXPECT_THAT(program_.run("render v.zarr -o y.mp4 --frames 3 --progressive").output,
-              HasSubstr("--progressive is for pictures"));
 }
 
 }  // namespace
