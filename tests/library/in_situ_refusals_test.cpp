@@ -1,4 +1,5 @@
-// What ranks that share a volume in memory refuse, and that a failure at one ends the call at all.
+// Ranks that share a volume in memory: what they refuse, and that a failure at one ends the call at
+// all.
 #include <sluice/in_situ.h>
 
 #include <gmock/gmock.h>

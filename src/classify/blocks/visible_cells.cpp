@@ -170,7 +170,7 @@ Box3 visiblePlanes(const PlaneRanges& planes, const ValueMap& map,
       };
       size_t lo = 0, hi = each.size();
       while (lo < hi && !planeShows(lo) && !(lo + 1 < hi && pairShows(lo))) ++lo;
-      // Of a pair that shows by its second plane alone, the first is empty.
+      // The first plane of a pair that shows by its second alone is empty.
       if (lo + 1 < hi && !planeShows(lo) && planeShows(lo + 1)) ++lo;
       while (hi > lo && !planeShows(hi - 1) && !(hi - 1 > lo && pairShows(hi - 2))) --hi;
       if (hi > lo + 1 && !planeShows(hi - 1) && planeShows(hi - 2)) --hi;

@@ -73,7 +73,7 @@ struct IndexedVolume {
   ValueRange finiteRange() const;
 };
 
-// What is known of the pictures before the volume is: for a budget that suffices for them.
+// The pictures to be drawn, as far as they are known before the volume: a budget for them follows.
 struct ExpectedPictures {
   uint64_t picture_bytes = 0;    // of one, at least; 0: nothing is known of its size
   uint64_t light_bytes = 0;      // of light that looks around

@@ -84,7 +84,7 @@ std::shared_ptr<const IndexedRanges> keptIndexOfLevel(const IndexedVolume& volum
   return kept ? std::make_shared<const IndexedRanges>(*std::move(kept)) : nullptr;
 }
 
-// What stands for the finest level of a step. Reads a coarse level, unless it is kept or is the
+// The stand-in for the finest level of a step. Reads a coarse level, unless it is kept or is the
 // volume's own, or unless an index of other blocks tells more.
 StandIn standInOf(const IndexedVolume& volume, int64_t time, const IndexPass& pass) {
   if (auto kept = keptRangesOfAnyBlocks(*volume.source, volume.places, time)) {

@@ -178,7 +178,7 @@ uint64_t sourceThreadBytes(const IndexedVolume& volume) {
   return most;
 }
 
-// At most what pictures keep of the values of all blocks: the min-max arrays of `array_bytes` with
+// The most that pictures keep of the values of all blocks: the min-max arrays of `array_bytes` with
 // those of the step after it (othersBytes()), and what they note.
 uint64_t mostRangesBytes(const IndexedVolume& volume, uint64_t array_bytes, bool has_levels,
                          bool is_compared) {
