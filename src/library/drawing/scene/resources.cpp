@@ -186,13 +186,14 @@ uint64_t mostRangesBytes(const IndexedVolume& volume, uint64_t array_bytes, bool
   uint64_t bytes = (volume.source->layout().time_steps > 1 ? 3 : 1) * array_bytes;
   // Coarse blocks note their spreads.
   if (has_levels) bytes += std::min(blocks, SpreadTally::kMostBlocks) * SpreadTally::kBlockBytes;
-  // The stand-in for the finest level has the reach of its spreads, too, and pictures learn the
-  // ranges of the finest level.
+  // The stand-in for the finest level has arrays and the reach of its spreads, too, and pictures
+  // learn the ranges of the finest level.
   if (volume.stand_in_level > 0)
-    bytes +=
-        2 * array_bytes + 3 * (blocks * sizeof(int64_t) +
-                               std::min(blocks * rangeBytesOfBlock(volume.layout, volume.map.type),
-                                        LearntRanges::kMostBytes));
+    bytes += 2 * array_bytes +
+             reachBytes(volume.pyramid->level(volume.stand_in_level).blocks.dims, volume.map.type) +
+             3 * (blocks * sizeof(int64_t) +
+                  std::min(blocks * rangeBytesOfBlock(volume.layout, volume.map.type),
+                           LearntRanges::kMostBytes));
   // Blocks of half the size have about twice as many planes, with borders.
   return is_compared ? bytes + 3 * array_bytes : bytes;
 }

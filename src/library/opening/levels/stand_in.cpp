@@ -239,6 +239,13 @@ SpreadReach reachOfSpreads(const CoarserLevel& level, ValueRange means, const Bo
   return reach;
 }
 
+uint64_t reachBytes(Vec3i dims, DeviceType type) {
+  const Vec3i bricks = brickGrid(brickCells(dims, std::nullopt), kMostReachBricks).grid();
+  const int64_t planes = dims.x + dims.y + dims.z;
+  constexpr uint64_t kEnds = 2, kCopies = 2;
+  return kCopies * kEnds * bytesPerVoxel(type) * static_cast<uint64_t>(volume(bricks) + planes);
+}
+
 bool showsFinest(const TimeStep& step, const TransferFunction& transfer, FrameOptions frame,
                  std::span<const Camera> cameras, WorkerPool& pool) {
   if (!drawsCut(step, frame.cut, frame.mode, transfer)) return true;

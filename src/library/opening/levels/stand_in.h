@@ -55,6 +55,9 @@ struct SpreadReach {
 SpreadReach reachOfSpreads(const CoarserLevel& level, ValueRange means, const Box3& cells,
                            int64_t time, WorkerPool& pool, const StopToken& stop = {});
 
+// The bytes of them while they are made, of a level of these voxels.
+uint64_t reachBytes(Vec3i dims, DeviceType type);
+
 // Whether a picture from any of these cameras draws a part at the finest level. `step` may have
 // unknown blocks. Requires: frame.cut is set, several levels.
 bool showsFinest(const TimeStep& step, const TransferFunction& transfer, FrameOptions frame,
