@@ -109,6 +109,9 @@ std::optional<IndexedRanges> keptRangesOfAnyBlocks(const VolumeSource& source,
   // Indices of smaller blocks are longer than what they are read for is worth.
   constexpr int64_t kMostSide = 1024, kLeastSide = 16;
   constexpr int kMostGhosts = 3;
+  // No index has the blocks of a sparse volume that 63 bits would not count.
+  const Vec3d dims = toDouble(source.layout().dims);
+  if (dims.x * dims.y * dims.z > 0x1p62) return std::nullopt;
   for (int64_t side = kMostSide; side >= kLeastSide; side /= 2)
     for (int ghost = 0; ghost <= kMostGhosts; ++ghost)
       if (auto kept =

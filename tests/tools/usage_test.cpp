@@ -95,10 +95,12 @@ TEST(Usage, aForgottenOutputIsTheLastWordUnlessItBelongsToAnOption) {
 TEST(Usage, aPictureWithoutANameIsNamedAfterItsVolumeAndAnnotated) {
   const Program program;
   ASSERT_EQ(program.run("synth shells --dims 24,24,24 -o step_0.nrrd").status, 0);
+  ASSERT_EQ(program.run("pack synth:shells,dims=24x24x24 -o c.ome.zarr -q").status, 0);
   const auto picture = [&](const std::string& name) { return readPng(program.folder / name).rgba; };
   for (const auto& [words, written] : std::vector<std::pair<std::string, std::string>>{
            {"synth:shells,dims=24x24x24", "shells.png"},
            {"'step_%d.nrrd'", "step.png"},
+           {"c.ome.zarr", "c.png"},
            {"synth:cube,dims=24x24x24 --frames 2", "cube_001.png"}}) {
     ASSERT_EQ(program.run("render -s 160 " + words).status, 0) << words;
     ASSERT_EQ(program.run("render -s 160 --force -o x.png --annotate " + words).status, 0);

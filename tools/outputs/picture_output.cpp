@@ -9,9 +9,11 @@
 #include <string_view>
 #include <utility>
 
+#include "io/formats.h"
 #include "src/annotate/annotate.h"
 #include "src/base/files/numbered_name.h"
 #include "src/base/sources/synth_name.h"
+#include "src/base/values/letter_case.h"
 #include "src/base/values/text_parts.h"
 #include "src/render/camera/frame_setup.h"
 #include "src/render/camera/index_space.h"
@@ -127,11 +129,14 @@ std::string pictureNameFor(const std::string& volume) {
     text = text.substr(0, text.find(','));
   }
   const fs::path name = fs::path(text).filename();
-  fs::path stem = name.stem();
-  // "scan.nii.gz", "cells.ome.tif".
-  for (const char* inner : {".nii", ".ome", ".raw", ".tar"})
-    if (stem.extension() == inner) stem = stem.stem();
-  std::string result = stem.native();
+  std::string result = name.stem().native();
+  // "scan.nii.gz": the shortest of what endings of formats leave.
+  for (const std::string& ending : volumeEndings())
+    if (lowercase(name.native()).ends_with(ending))
+      result = std::min(result, name.native().substr(0, name.native().size() - ending.size()),
+                        [](const auto& a, const auto& b) { return a.size() < b.size(); });
+  // "cells.ome.tif", "cells.ome.zarr".
+  if (result.ends_with(".ome")) result.resize(result.size() - 4);
   // "step_%03d": a series, whose pictures may get numbers of their own.
   if (const auto series = parseNumberedName(result)) {
     result = series->before + series->after;

@@ -161,19 +161,21 @@ Box3 visiblePlanes(const PlaneRanges& planes, const ValueMap& map,
     Box3 box;
     for (int axis = 0; axis < 3; ++axis) {
       const auto each = planes.rangesAs<decltype(tag)>(axis);
-      const auto planeShows = [&](size_t plane) { return shows(transfer, map, each[plane]); };
-      // The plane with what lies between it and the next: 1 or 2 planes are seen by it.
-      const auto pairShows = [&](size_t plane) {
-        auto range = each[plane];
-        widen(range, each[plane + 1]);
-        return shows(transfer, map, range);
+      const auto isSeen = [&](auto range) { return shows(transfer, map, range); };
+      size_t lo = each.size(), hi = 0;
+      const auto take = [&](size_t first, size_t last) {
+        lo = std::min(lo, first);
+        hi = std::max(hi, last + 1);
       };
-      size_t lo = 0, hi = each.size();
-      while (lo < hi && !planeShows(lo) && !(lo + 1 < hi && pairShows(lo))) ++lo;
-      // The first plane of a pair that shows by its second alone is empty.
-      if (lo + 1 < hi && !planeShows(lo) && planeShows(lo + 1)) ++lo;
-      while (hi > lo && !planeShows(hi - 1) && !(hi - 1 > lo && pairShows(hi - 2))) --hi;
-      if (hi > lo + 1 && !planeShows(hi - 1) && planeShows(hi - 2)) --hi;
+      for (size_t plane = 0; plane < each.size(); ++plane) {
+        if (isSeen(each[plane])) take(plane, plane);
+        if (plane + 1 == each.size() || isSeen(each[plane]) || isSeen(each[plane + 1])) continue;
+        // Neither shows, but a value between them may.
+        auto both = each[plane];
+        widen(both, each[plane + 1]);
+        if (isSeen(both)) take(plane, plane + 1);
+      }
+      if (lo >= hi) return Box3{};
       box.lo[axis] = static_cast<int64_t>(lo);
       box.hi[axis] = static_cast<int64_t>(hi);
     }

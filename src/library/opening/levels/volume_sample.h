@@ -29,7 +29,7 @@ struct SampleRequest {
   VolumeSource& source;
   int64_t time = 0;
   WorkerPool& pool;
-  // The sample takes at most kSampleMemoryShare of this, and reading it as much again.
+  // The sample takes at most one part in kSampleMemoryShare of this, and reading it as much again.
   uint64_t memory_bytes = UINT64_MAX;
   // No further slices are read if that seems to take longer. The first ones are read whatever the
   // time.
